@@ -1,0 +1,1 @@
+//! Described scans, farthest-point sampling in descriptor space and mutual nearest-neighbour matching.

@@ -1,0 +1,1 @@
+//! Evaluation protocols of multiview point cloud registration on plain values.

@@ -1,0 +1,1 @@
+//! From a raw point cloud to described keypoints: voxel grid, oriented normals, FPFH.

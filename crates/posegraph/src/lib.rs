@@ -1,0 +1,1 @@
+//! Scan-pair confidences, top-K union selection, connectivity figures and the pose graph.

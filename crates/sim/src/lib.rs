@@ -1,0 +1,1 @@
+//! Simulated depth-camera scans of generated indoor scenes with ground truth.
