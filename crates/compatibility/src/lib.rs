@@ -1,1 +1,55 @@
-//! First- and second-order compatibility graphs of point correspondences, their dominant eigenvector, spectral filtering and scan-pair confidence.
+//! Which correspondences of a scan pair agree with each other, and how much of a pair agrees.
+//!
+//! A rigid motion preserves distances. Two correspondences `m`, `n` of scans i and j are therefore
+//! compatible where the distance between their points is the same in both scans:
+//!
+//! ```text
+//! δ_mn = | ‖x_m^i − x_n^i‖ − ‖x_m^j − x_n^j‖ |       rigidity discrepancy
+//! a_mn = max(0, 1 − δ_mn² / τ_c²),  a_mm = 0          first-order graph A (FCG)
+//! B    = A² ∘ A                                       second-order graph (SCG)
+//! B v  = λ v                                          dominant eigenvector, nonnegative
+//! ```
+//!
+//! An entry of `B` weighs direct agreement by the support of common neighbours, which wrong
+//! correspondences rarely find. The entry `|v_m|` measures how far correspondence `m` takes part in
+//! the largest coherent structure: the top share `r_s` is retained, the graphs are built again on
+//! the retained set, and the dominant eigenvalue of the refined SCG is the pair's *raw confidence*
+//! (paper, section "Spectral Consistency-Guided Scan Pair Selection"). No motion is estimated.
+//!
+//! | step | item |
+//! |---|---|
+//! | FCG and SCG | [`CompatibilityGraph`] |
+//! | dominant eigenvector | [`DominantEigenpair`] |
+//! | retention, refined graph, raw confidence | [`SpectralFilter`] |
+
+mod eigen;
+mod filter;
+mod graph;
+
+pub use eigen::{DominantEigenpair, Route};
+pub use filter::SpectralFilter;
+pub use graph::CompatibilityGraph;
+
+/// Parameters of this stage. The default is the paper's setting for 3DMatch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CompatibilityParams {
+    /// Rigidity discrepancy at which two correspondences stop being compatible, `τ_c`, in the unit
+    /// of the points; positive. Default 0.10 (metres, indoor scans).
+    pub tolerance: f64,
+    /// Share of the correspondences that is retained, `r_s`, in (0, 1]. One retains all: no
+    /// spectral filtering. Default 0.5.
+    pub retained_fraction: f64,
+}
+
+impl Default for CompatibilityParams {
+    fn default() -> Self {
+        Self {
+            tolerance: 0.10,
+            retained_fraction: 0.5,
+        }
+    }
+}
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,0 +1,317 @@
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
+use gmpcr_geometry::{PairsError, PointPairs};
+
+use crate::descriptors::squared_distance;
+use crate::{Descriptors, Keypoints};
+
+/// Two descriptors that are each other's nearest neighbour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Match {
+    /// Row among the first set's descriptors.
+    pub i: usize,
+    /// Row among the second set's descriptors.
+    pub j: usize,
+    /// Euclidean distance of the two descriptors.
+    pub distance: f64,
+}
+
+/// Descriptors of two sets that cannot be compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("descriptors of dimension {i} do not compare with descriptors of dimension {j}")]
+pub struct DimensionsDiffer {
+    /// Dimension of the first set.
+    pub i: usize,
+    /// Dimension of the second set.
+    pub j: usize,
+}
+
+/// Correspondences `C_ij` of two keypoint sets: the `max_correspondences` best
+/// [matches](match_descriptors) as point pairs (target: scan i, source: scan j), in ascending order
+/// of descriptor distance. All matches are kept where there are fewer.
+///
+/// # Errors
+/// [`DimensionsDiffer`] if the descriptors have different dimensions.
+///
+/// ```
+/// use gmpcr_correspondence::{Descriptors, Keypoints, Scan, correspondences};
+/// use nalgebra::Point3;
+///
+/// let points = vec![Point3::origin(), Point3::new(1.0, 0.0, 0.0)];
+/// let scan = Scan::new(points, Descriptors::new(vec![0.0, 1.0], 1)?)?;
+/// let keypoints = Keypoints::sample(&scan, 200);
+/// let pairs = correspondences(&keypoints, &keypoints, 100)?;
+/// assert_eq!(pairs.target(), pairs.source());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn correspondences(
+    keypoints_i: &Keypoints,
+    keypoints_j: &Keypoints,
+    max_correspondences: usize,
+) -> Result<PointPairs, DimensionsDiffer> {
+    let mut matches = match_descriptors(keypoints_i.descriptors(), keypoints_j.descriptors())?;
+    matches.truncate(max_correspondences);
+    let target = matches.iter().map(|m| keypoints_i.points()[m.i]).collect();
+    let source = matches.iter().map(|m| keypoints_j.points()[m.j]).collect();
+    let pairs: Result<_, PairsError> = PointPairs::new(target, source);
+    Ok(pairs.expect("keypoints come from scans, whose coordinates are finite"))
+}
+
+/// Mutual nearest neighbours of two descriptor sets, in ascending order of Euclidean distance.
+///
+/// A match `(i, j)` is kept only where `j` is nearest to `i` and `i` is nearest to `j`. Equal
+/// distances go to the lower row, and equal matches are ordered by `i`.
+///
+/// One matrix product gives all squared distances `‖a‖² + ‖b‖² − 2 aᵀb` in `f32`. Its rounding
+/// error is bounded, and wherever the bound leaves more than one candidate the distances of the
+/// candidates are computed again in `f64` from the differences, so that the result is that of exact
+/// arithmetic. `O(n_i n_j d)` multiply-adds and `4 n_i n_j` bytes.
+///
+/// # Errors
+/// [`DimensionsDiffer`] if the dimensions differ. An empty set matches nothing, whatever its
+/// dimension.
+///
+/// ```
+/// use gmpcr_correspondence::{Descriptors, match_descriptors};
+///
+/// let a = Descriptors::new(vec![0.0, 10.0, 20.0], 1)?;
+/// let b = Descriptors::new(vec![10.5, 0.25], 1)?;
+/// let matches = match_descriptors(&a, &b)?;
+/// assert_eq!((matches[0].i, matches[0].j, matches[0].distance), (0, 1, 0.25));
+/// assert_eq!((matches[1].i, matches[1].j, matches[1].distance), (1, 0, 0.5));
+/// assert_eq!(matches.len(), 2); // 20 is nearest to 10.5, but 10.5 is not nearest to 20
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn match_descriptors(a: &Descriptors, b: &Descriptors) -> Result<Vec<Match>, DimensionsDiffer> {
+    if a.is_empty() || b.is_empty() {
+        return Ok(Vec::new());
+    }
+    if a.dimension() != b.dimension() {
+        return Err(DimensionsDiffer {
+            i: a.dimension(),
+            j: b.dimension(),
+        });
+    }
+    let approximate = ApproximateDistances::new(a, b);
+    let exact = |i: usize, j: usize| squared_distance(a.row(i), b.row(j));
+    let nearest_in_a = approximate.nearest_in_a(exact);
+    let nearest_in_b = approximate.nearest_in_b(exact);
+    let mut matches: Vec<Match> = (0..a.len())
+        .map(|i| (i, nearest_in_b[i]))
+        .filter(|&(i, j)| nearest_in_a[j] == i)
+        .map(|(i, j)| Match {
+            i,
+            j,
+            distance: exact(i, j).sqrt(),
+        })
+        .collect();
+    matches.sort_by(|m, n| m.distance.total_cmp(&n.distance).then(m.i.cmp(&n.i)));
+    Ok(matches)
+}
+
+/// All squared distances in `f32` up to a known error, as columns of one entry per row of `a`.
+struct ApproximateDistances {
+    /// Column `j` holds the distances of `b_j` to all of `a`.
+    distances: Mat<f32>,
+    /// Two entries that differ by more than this are in the order of the exact distances.
+    resolution: f32,
+}
+
+impl ApproximateDistances {
+    fn new(a: &Descriptors, b: &Descriptors) -> Self {
+        let (a_norms, b_norms) = (squared_norms(a), squared_norms(b));
+        let mut distances = Mat::<f32>::zeros(a.len(), b.len());
+        let (a_rows, b_rows) = (as_matrix(a), as_matrix(b));
+        let product = distances.as_mut();
+        matmul(
+            product,
+            Accum::Replace,
+            a_rows,
+            b_rows.transpose(),
+            -2.0,
+            Par::Seq,
+        );
+        for (column, &b_norm) in distances.col_iter_mut().zip(&b_norms) {
+            for (entry, &a_norm) in column.iter_mut().zip(&a_norms) {
+                *entry += a_norm + b_norm;
+            }
+        }
+        Self {
+            distances,
+            resolution: resolution(a.dimension(), &a_norms, &b_norms),
+        }
+    }
+
+    /// The row of `a` that is nearest to each row of `b`, by the `exact` squared distance.
+    fn nearest_in_a(&self, exact: impl Fn(usize, usize) -> f64) -> Vec<usize> {
+        let columns = self.distances.col_iter().enumerate();
+        columns
+            .map(|(j, column)| {
+                let smallest = column.iter().copied().fold(f32::INFINITY, f32::min);
+                let candidates = (0..column.nrows()).filter(|&i| self.may_be(column[i], smallest));
+                nearest(candidates, |i| exact(i, j))
+            })
+            .collect()
+    }
+
+    /// The row of `b` that is nearest to each row of `a`, by the `exact` squared distance.
+    fn nearest_in_b(&self, exact: impl Fn(usize, usize) -> f64) -> Vec<usize> {
+        let mut smallest = vec![f32::INFINITY; self.distances.nrows()];
+        for column in self.distances.col_iter() {
+            for (smallest, &entry) in smallest.iter_mut().zip(column.iter()) {
+                *smallest = smallest.min(entry);
+            }
+        }
+        let mut candidates = vec![Vec::new(); self.distances.nrows()];
+        for (j, column) in self.distances.col_iter().enumerate() {
+            for (i, &entry) in column.iter().enumerate() {
+                if self.may_be(entry, smallest[i]) {
+                    candidates[i].push(j);
+                }
+            }
+        }
+        let rows = candidates.into_iter().enumerate();
+        rows.map(|(i, candidates)| nearest(candidates, |j| exact(i, j)))
+            .collect()
+    }
+
+    /// Whether an entry may be the smallest in exact arithmetic. True where overflow made a NaN.
+    fn may_be(&self, entry: f32, smallest: f32) -> bool {
+        let is_greater = entry > smallest + self.resolution;
+        !is_greater
+    }
+}
+
+/// The candidate of smallest exact distance, the first of equals. No distance is computed for a
+/// single candidate.
+fn nearest(candidates: impl IntoIterator<Item = usize>, exact: impl Fn(usize) -> f64) -> usize {
+    let mut candidates = candidates.into_iter();
+    let first = candidates
+        .next()
+        .expect("the smallest entry is a candidate");
+    let Some(second) = candidates.next() else {
+        return first;
+    };
+    let mut best = (exact(first), first);
+    for candidate in std::iter::once(second).chain(candidates) {
+        let distance = exact(candidate);
+        if distance < best.0 {
+            best = (distance, candidate);
+        }
+    }
+    best.1
+}
+
+/// Twice the largest rounding error of an entry.
+///
+/// A product of `d` terms in any order of summation errs by at most `d ε ‖a‖‖b‖` to first order,
+/// with `ε` the unit roundoff; the norms and the two additions err by as much again. The factor 4
+/// covers both, the doubling of the product, and higher orders.
+fn resolution(dimension: usize, a_norms: &[f32], b_norms: &[f32]) -> f32 {
+    let largest = |norms: &[f32]| norms.iter().copied().fold(0.0, f32::max);
+    let scale = largest(a_norms) + largest(b_norms);
+    2.0 * 4.0 * (dimension as f32 + 4.0) * (f32::EPSILON / 2.0) * scale
+}
+
+fn squared_norms(descriptors: &Descriptors) -> Vec<f32> {
+    let norm = |row: &[f32]| row.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>() as f32;
+    descriptors.rows().map(norm).collect()
+}
+
+fn as_matrix(descriptors: &Descriptors) -> MatRef<'_, f32> {
+    MatRef::from_row_major_slice(
+        descriptors.values(),
+        descriptors.len(),
+        descriptors.dimension(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Mutual nearest neighbours as they are defined.
+    fn plain_matches(a: &Descriptors, b: &Descriptors) -> Vec<(usize, usize)> {
+        let exact = |i: usize, j: usize| squared_distance(a.row(i), b.row(j));
+        let nearest_j = |i| (0..b.len()).min_by(|&j, &k| exact(i, j).total_cmp(&exact(i, k)));
+        let nearest_i = |j| (0..a.len()).min_by(|&i, &k| exact(i, j).total_cmp(&exact(k, j)));
+        let mut matches: Vec<_> = (0..a.len())
+            .filter_map(|i| nearest_j(i).map(|j| (i, j)))
+            .filter(|&(i, j)| nearest_i(j) == Some(i))
+            .collect();
+        matches.sort_by(|&(i, j), &(k, l)| exact(i, j).total_cmp(&exact(k, l)).then(i.cmp(&k)));
+        matches
+    }
+
+    fn descriptors(dimension: usize) -> impl Strategy<Value = Descriptors> {
+        // Close values around a large offset defeat the matrix product; few values make ties.
+        let entry = prop_oneof![
+            (0..3i32).prop_map(|k| k as f32),
+            (0..99i32).prop_map(|k| 1e3 + k as f32 * 1e-4),
+            -1.0..1.0f32
+        ];
+        prop::collection::vec(prop::collection::vec(entry, dimension), 0..25).prop_map(
+            move |rows| Descriptors::new(rows.into_iter().flatten().collect(), dimension).unwrap(),
+        )
+    }
+
+    fn descriptor_pairs() -> impl Strategy<Value = (Descriptors, Descriptors)> {
+        (1..9usize).prop_flat_map(|dimension| (descriptors(dimension), descriptors(dimension)))
+    }
+
+    proptest! {
+        #[test]
+        fn the_matrix_product_gives_the_matches_of_exact_distances((a, b) in descriptor_pairs()) {
+            let matches = match_descriptors(&a, &b).unwrap();
+            let indices: Vec<_> = matches.iter().map(|m| (m.i, m.j)).collect();
+            prop_assert_eq!(indices, plain_matches(&a, &b));
+        }
+
+        #[test]
+        fn swapping_the_sets_swaps_the_matches((a, b) in descriptor_pairs()) {
+            let mut forward: Vec<_> = match_descriptors(&a, &b).unwrap().iter().map(|m| (m.i, m.j)).collect();
+            let mut backward: Vec<_> = match_descriptors(&b, &a).unwrap().iter().map(|m| (m.j, m.i)).collect();
+            forward.sort_unstable();
+            backward.sort_unstable();
+            prop_assert_eq!(forward, backward);
+        }
+    }
+
+    #[test]
+    fn huge_descriptors_overflow_no_decision() {
+        let a = Descriptors::new(vec![1e38, -1e38, 3e38, 0.0], 2).unwrap();
+        let b = Descriptors::new(vec![3e38, 1e37, 1e38, -1.1e38], 2).unwrap();
+        let matches = match_descriptors(&a, &b).unwrap();
+        let indices: Vec<_> = matches.iter().map(|m| (m.i, m.j)).collect();
+        assert_eq!(indices, plain_matches(&a, &b));
+        assert_eq!(indices.len(), 2);
+    }
+
+    #[test]
+    fn different_dimensions_do_not_compare() {
+        let a = Descriptors::new(vec![0.0; 32], 32).unwrap();
+        let b = Descriptors::new(vec![0.0; 33], 33).unwrap();
+        assert_eq!(
+            match_descriptors(&a, &b),
+            Err(DimensionsDiffer { i: 32, j: 33 })
+        );
+        let empty = Descriptors::new(vec![], 33).unwrap();
+        assert_eq!(match_descriptors(&a, &empty), Ok(vec![]));
+    }
+
+    #[test]
+    fn equal_descriptors_match_once() {
+        let a = Descriptors::new(vec![0.5; 4 * 8], 8).unwrap();
+        let matches = match_descriptors(&a, &a).unwrap();
+        assert_eq!(
+            matches,
+            [Match {
+                i: 0,
+                j: 0,
+                distance: 0.0
+            }]
+        );
+    }
+}

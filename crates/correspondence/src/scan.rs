@@ -1,0 +1,113 @@
+use nalgebra::Point3;
+
+use crate::Descriptors;
+
+/// A scan: points in its own frame and one local descriptor per point.
+///
+/// Coordinates may have any unit; metres are usual. A scan may be empty: it then matches nothing
+/// and stays unregistered.
+///
+/// ```
+/// use gmpcr_correspondence::{Descriptors, Scan};
+/// use nalgebra::Point3;
+///
+/// let points = vec![Point3::new(0.0, 0.0, 1.0), Point3::new(0.5, 0.0, 1.2)];
+/// let scan = Scan::new(points, Descriptors::new(vec![0.1; 2 * 33], 33)?)?;
+/// assert_eq!(scan.len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scan {
+    points: Vec<Point3<f64>>,
+    descriptors: Descriptors,
+}
+
+/// Why points and descriptors are no [`Scan`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ScanError {
+    /// There is not one descriptor per point.
+    #[error("{points} points, but {descriptors} descriptors: one per point is needed")]
+    LengthsDiffer {
+        /// Number of points.
+        points: usize,
+        /// Number of descriptors.
+        descriptors: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("point {index} has a coordinate that is not finite")]
+    NotFinite {
+        /// The first such point.
+        index: usize,
+    },
+}
+
+impl Scan {
+    /// Joins points and their descriptors.
+    ///
+    /// # Errors
+    /// [`ScanError`] if their numbers differ or a coordinate is not finite.
+    pub fn new(points: Vec<Point3<f64>>, descriptors: Descriptors) -> Result<Self, ScanError> {
+        if points.len() != descriptors.len() {
+            return Err(ScanError::LengthsDiffer {
+                points: points.len(),
+                descriptors: descriptors.len(),
+            });
+        }
+        let not_finite = |p: &Point3<f64>| !p.coords.iter().all(|c| c.is_finite());
+        match points.iter().position(not_finite) {
+            Some(index) => Err(ScanError::NotFinite { index }),
+            None => Ok(Self {
+                points,
+                descriptors,
+            }),
+        }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether the scan has no point.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// The points, in the scan's frame.
+    pub fn points(&self) -> &[Point3<f64>] {
+        &self.points
+    }
+
+    /// The descriptors, one per point.
+    pub fn descriptors(&self) -> &Descriptors {
+        &self.descriptors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_what_is_wrong_with_a_scan() {
+        let descriptors = Descriptors::new(vec![0.0; 4], 2).unwrap();
+        let one = vec![Point3::origin()];
+        let lengths = ScanError::LengthsDiffer {
+            points: 1,
+            descriptors: 2,
+        };
+        assert_eq!(Scan::new(one, descriptors.clone()), Err(lengths));
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let points = vec![Point3::origin(), Point3::new(0.0, bad, 0.0)];
+            let not_finite = Err(ScanError::NotFinite { index: 1 });
+            assert_eq!(Scan::new(points, descriptors.clone()), not_finite);
+        }
+    }
+
+    #[test]
+    fn an_empty_scan_is_a_scan() {
+        let scan = Scan::new(vec![], Descriptors::new(vec![], 33).unwrap()).unwrap();
+        assert!(scan.is_empty());
+    }
+}
