@@ -1,5 +1,7 @@
 //! Reference values of the stage, computed in float64 straight from the equations.
 
+#![allow(clippy::unwrap_used)]
+
 use approx::assert_relative_eq;
 use gmpcr_compatibility::{
     CompatibilityGraph, CompatibilityParams, DominantEigenpair, SpectralFilter,

@@ -1,5 +1,7 @@
 //! Reference values of the stage, computed in float64 straight from the definitions.
 
+#![allow(clippy::unwrap_used)]
+
 use approx::assert_relative_eq;
 use gmpcr_correspondence::{Descriptors, farthest_point_sampling, match_descriptors};
 use serde_json::Value;

@@ -1,0 +1,244 @@
+use gmpcr_geometry::{PointPairs, SignedSvd3, isometry};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+
+/// Point pairs that leave the rotation free: fewer than three distinct points, or all on a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the point pairs leave the rotation free: their covariance has rank {rank}, not 2 or 3")]
+pub struct Degenerate {
+    /// Rank of the cross-covariance: 0 for a single point, 1 for a line.
+    pub rank: usize,
+}
+
+/// The rigid motion that best maps the source points onto the target points.
+///
+/// Minimises `Σ_m w_m ‖target_m − target_from_source · source_m‖²` over SE(3) (Kabsch 1976;
+/// Umeyama, TPAMI 1991): never a reflection, exact for planar and nearly collinear sets. `weights`
+/// holds one nonnegative weight per pair; `None`, or weights that are all zero, weigh all alike.
+/// Lengths keep the unit of the input. `O(M)`.
+///
+/// # Errors
+/// [`Degenerate`] if the pairs do not determine the rotation.
+///
+/// # Panics
+/// If `weights` and `pairs` differ in length.
+///
+/// ```
+/// use gmpcr_cliques::kabsch;
+/// use gmpcr_geometry::PointPairs;
+/// use nalgebra::{Isometry3, Point3, Vector3};
+///
+/// let motion = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.0, 0.0, 1.5));
+/// let source = vec![Point3::origin(), Point3::new(1.0, 0.0, 0.0), Point3::new(0.0, 2.0, 0.0)];
+/// let target = source.iter().map(|p| motion * p).collect();
+/// let found = kabsch(&PointPairs::new(target, source)?, None)?;
+/// assert!((found.to_matrix() - motion.to_matrix()).norm() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn kabsch(pairs: &PointPairs, weights: Option<&[f64]>) -> Result<Isometry3<f64>, Degenerate> {
+    let weights = usable_weights(pairs.len(), weights);
+    let target = Centred::new(pairs.target(), &weights);
+    let source = Centred::new(pairs.source(), &weights);
+    let mut covariance = Matrix3::zeros();
+    for ((weight, x), y) in weights.iter().zip(&target.offsets).zip(&source.offsets) {
+        covariance += x * y.transpose() * *weight;
+    }
+    let svd = SignedSvd3::new(&covariance);
+    let rank = svd.rank(8.0 * f64::EPSILON * (1.0 + target.distance() + source.distance()));
+    if rank < 2 {
+        return Err(Degenerate { rank });
+    }
+    let rotation = svd.nearest_rotation();
+    let translation = target.centroid - rotation * source.centroid;
+    Ok(isometry(&rotation, &translation))
+}
+
+fn usable_weights(len: usize, weights: Option<&[f64]>) -> Vec<f64> {
+    let weights = weights.map_or_else(|| vec![1.0; len], <[f64]>::to_vec);
+    assert_eq!(weights.len(), len, "one weight per point pair");
+    let sum: f64 = weights.iter().sum();
+    if sum > 0.0 {
+        weights.iter().map(|w| w / sum).collect()
+    } else {
+        vec![1.0 / len as f64; len]
+    }
+}
+
+/// Points relative to their weighted mean.
+struct Centred {
+    centroid: Vector3<f64>,
+    offsets: Vec<Vector3<f64>>,
+    /// Root of the weighted mean square of the offsets.
+    extent: f64,
+}
+
+impl Centred {
+    fn new(points: &[Point3<f64>], weights: &[f64]) -> Self {
+        let weighted = points.iter().zip(weights);
+        let centroid: Vector3<f64> = weighted.map(|(p, w)| p.coords * *w).sum();
+        let offsets: Vec<_> = points.iter().map(|p| p.coords - centroid).collect();
+        let squares = offsets.iter().zip(weights);
+        let extent = squares
+            .map(|(x, w)| w * x.norm_squared())
+            .sum::<f64>()
+            .sqrt();
+        Self {
+            centroid,
+            offsets,
+            extent,
+        }
+    }
+
+    /// Distance of the centroid from the origin in extents of the set: what the offsets lose in
+    /// digits, and so how far a line of points may look like a plane.
+    fn distance(&self) -> f64 {
+        let distance = self.centroid.norm() / self.extent;
+        if distance.is_finite() { distance } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Rotation3;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn motion() -> impl Strategy<Value = Isometry3<f64>> {
+        let vector = || prop::array::uniform3(-3.0..3.0f64).prop_map(Vector3::from);
+        (vector(), vector()).prop_map(|(t, r)| Isometry3::new(t, r))
+    }
+
+    fn points(range: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Point3<f64>>> {
+        let point = prop::array::uniform3(-2.0..2.0f64).prop_map(Point3::from);
+        prop::collection::vec(point, range)
+    }
+
+    fn moved(source: Vec<Point3<f64>>, motion: &Isometry3<f64>) -> PointPairs {
+        let target = source.iter().map(|p| motion * p).collect();
+        PointPairs::new(target, source).unwrap()
+    }
+
+    fn cost(pairs: &PointPairs, weights: &[f64], motion: &Isometry3<f64>) -> f64 {
+        let squares = pairs.residuals(motion).zip(weights);
+        squares.map(|(r, w)| w * r * r).sum()
+    }
+
+    fn difference(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
+        (a.to_matrix() - b.to_matrix()).norm()
+    }
+
+    proptest! {
+        #[test]
+        fn recovers_the_motion_of_noise_free_points(source in points(4..12), motion in motion()) {
+            let found = kabsch(&moved(source, &motion), None).unwrap();
+            prop_assert!(difference(&found, &motion) < 1e-11);
+        }
+
+        #[test]
+        fn recovers_the_motion_of_planar_points(source in points(6..12), motion in motion()) {
+            let flat = source.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
+            let found = kabsch(&moved(flat, &motion), None).unwrap();
+            prop_assert!(difference(&found, &motion) < 1e-11);
+        }
+
+        #[test]
+        fn swapping_target_and_source_inverts_the_motion(target in points(8..9), source in points(8..9)) {
+            let pairs = PointPairs::new(target, source).unwrap();
+            let forward = kabsch(&pairs, None).unwrap();
+            let backward = kabsch(&pairs.swapped(), None).unwrap();
+            // Random sets are far from rigid: the optimum may be flat, its value is not.
+            let ones = [1.0; 8];
+            prop_assert!((cost(&pairs, &ones, &forward) - cost(&pairs, &ones, &backward.inverse())).abs() < 1e-9);
+        }
+
+        #[test]
+        fn no_motion_nearby_costs_less(
+            target in points(6..7), source in points(6..7),
+            weights in prop::array::uniform6(0.01..1.0f64), step in motion(),
+        ) {
+            let pairs = PointPairs::new(target, source).unwrap();
+            let best = kabsch(&pairs, Some(&weights)).unwrap();
+            for size in [1.0, 1e-2] {
+                let small = Isometry3::new(step.translation.vector * size, step.rotation.scaled_axis() * size);
+                prop_assert!(cost(&pairs, &weights, &best) <= cost(&pairs, &weights, &(best * small)) + 1e-12);
+            }
+        }
+
+        #[test]
+        fn weights_act_as_repetitions(target in points(5..6), source in points(5..6)) {
+            let pairs = PointPairs::new(target, source).unwrap();
+            let weighted = kabsch(&pairs, Some(&[1.0, 2.0, 0.0, 3.0, 1.0])).unwrap();
+            let repeated = kabsch(&pairs.select(&[0, 1, 1, 3, 3, 3, 4]), None).unwrap();
+            let ones = [1.0, 2.0, 0.0, 3.0, 1.0];
+            prop_assert!((cost(&pairs, &ones, &weighted) - cost(&pairs, &ones, &repeated)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn nearly_collinear_points_keep_their_digits() {
+        let motion = Isometry3::new(Vector3::new(0.3, 0.1, -2.0), Vector3::new(1.0, 2.0, -0.5));
+        let source = (0..20)
+            .map(|k| {
+                Point3::new(
+                    k as f64 * 0.1,
+                    1e-4 * (k as f64).sin(),
+                    1e-4 * (k as f64).cos(),
+                )
+            })
+            .collect();
+        let found = kabsch(&moved(source, &motion), None).unwrap();
+        assert!(difference(&found, &motion) < 1e-10);
+    }
+
+    #[test]
+    fn a_mirrored_set_still_gives_a_rotation() {
+        let source = vec![
+            Point3::origin(),
+            Point3::new(1.0, 0.0, 0.0),
+            Point3::new(0.0, 2.0, 0.0),
+            Point3::new(0.0, 0.0, 3.0),
+        ];
+        let target = source.iter().map(|p| Point3::new(-p.x, p.y, p.z)).collect();
+        let found = kabsch(&PointPairs::new(target, source).unwrap(), None).unwrap();
+        let rotation: Rotation3<f64> = found.rotation.to_rotation_matrix();
+        assert!((rotation.matrix().determinant() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn degenerate_sets_are_rejected_wherever_they_lie() {
+        let motion = Isometry3::new(Vector3::new(5.0, 6.0, 7.0), Vector3::new(1.0, 2.0, -0.5));
+        for offset in [0.0, 10.0, 1e4, 1e7] {
+            let place = |x: f64| Point3::new(offset + x / 3.0, offset - x / 7.0, offset + x / 11.0);
+            for n in 0..4 {
+                let line: Vec<_> = (0..n).map(|k| place(k as f64)).collect();
+                assert!(
+                    kabsch(&moved(line, &motion), None).is_err(),
+                    "{n} points on a line"
+                );
+            }
+            let equal = vec![place(0.0); 9];
+            assert!(
+                kabsch(&moved(equal, &motion), None).is_err(),
+                "nine equal points"
+            );
+            let two = [place(0.0), place(1.0)].repeat(5);
+            assert!(
+                kabsch(&moved(two, &motion), None).is_err(),
+                "two distinct points"
+            );
+        }
+    }
+
+    #[test]
+    fn weights_that_are_all_zero_weigh_all_alike() {
+        let motion = Isometry3::new(Vector3::x(), Vector3::z());
+        let source = vec![
+            Point3::origin(),
+            Point3::new(1.0, 0.0, 0.0),
+            Point3::new(0.0, 2.0, 1.0),
+        ];
+        let pairs = moved(source, &motion);
+        let found = kabsch(&pairs, Some(&[0.0; 3])).unwrap();
+        assert!(difference(&found, &motion) < 1e-14);
+    }
+}

@@ -1,0 +1,256 @@
+/// A candidate scan pair and its raw geometric confidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScoredPair {
+    /// The lower scan index.
+    pub i: usize,
+    /// The higher scan index.
+    pub j: usize,
+    /// Raw confidence `ŝ_ij ≥ 0`.
+    pub raw_confidence: f64,
+}
+
+/// The confidences of all candidate pairs of a set of scans, raw and normalised.
+///
+/// ```
+/// use gmpcr_posegraph::{PairConfidences, ScoredPair};
+///
+/// let pair = |i, j, raw_confidence| ScoredPair { i, j, raw_confidence };
+/// let pairs = vec![pair(0, 1, 3.0), pair(0, 2, 0.0), pair(1, 2, 4.0)];
+/// let confidences = PairConfidences::new(3, pairs)?;
+/// assert_eq!(confidences.normalized(), [0.6, 0.0, 0.8]);
+/// let edges = confidences.top_k_union(1);
+/// assert_eq!(edges, [0, 2]); // positions in the list: (0, 1) and (1, 2)
+/// # Ok::<(), gmpcr_posegraph::ConfidenceError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairConfidences {
+    num_scans: usize,
+    pairs: Vec<ScoredPair>,
+    normalized: Vec<f64>,
+}
+
+/// Why a list of scored pairs is no [`PairConfidences`].
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConfidenceError {
+    /// A pair is not of the form `i < j < num_scans`.
+    #[error("pair ({i}, {j}) is not of the form i < j < {num_scans}")]
+    InvalidPair {
+        /// First scan of the pair.
+        i: usize,
+        /// Second scan of the pair.
+        j: usize,
+        /// Number of scans.
+        num_scans: usize,
+    },
+    /// The pairs are not strictly ascending by (i, j).
+    #[error("pair ({i}, {j}) repeats or precedes the pair before it: pairs must ascend")]
+    NotAscending {
+        /// First scan of the pair.
+        i: usize,
+        /// Second scan of the pair.
+        j: usize,
+    },
+    /// A confidence is negative or not finite.
+    #[error("pair ({i}, {j}) has confidence {raw_confidence}: it must be finite and not negative")]
+    InvalidConfidence {
+        /// First scan of the pair.
+        i: usize,
+        /// Second scan of the pair.
+        j: usize,
+        /// Its confidence.
+        raw_confidence: f64,
+    },
+}
+
+impl PairConfidences {
+    /// Normalises the raw confidences of candidate pairs over all of them, `s = ŝ / ‖ŝ‖₂`; where
+    /// all are zero they stay zero. The pairs need not be all pairs.
+    ///
+    /// # Errors
+    /// [`ConfidenceError`] unless the pairs are strictly ascending by (i, j) with
+    /// `i < j < num_scans`, and the confidences finite and not negative.
+    pub fn new(num_scans: usize, pairs: Vec<ScoredPair>) -> Result<Self, ConfidenceError> {
+        pairs
+            .iter()
+            .try_for_each(|pair| validate(pair, num_scans))?;
+        if let Some(w) = pairs
+            .windows(2)
+            .find(|w| (w[0].i, w[0].j) >= (w[1].i, w[1].j))
+        {
+            let ScoredPair { i, j, .. } = w[1];
+            return Err(ConfidenceError::NotAscending { i, j });
+        }
+        // Scaling by the largest first keeps the squares finite.
+        let largest = pairs.iter().map(|p| p.raw_confidence).fold(0.0, f64::max);
+        let scaled = pairs.iter().map(|p| p.raw_confidence / largest);
+        let norm = scaled.map(|s| s * s).sum::<f64>().sqrt() * largest;
+        let normalize = |raw: f64| if largest > 0.0 { raw / norm } else { 0.0 };
+        Ok(Self {
+            num_scans,
+            normalized: pairs.iter().map(|p| normalize(p.raw_confidence)).collect(),
+            pairs,
+        })
+    }
+
+    /// Number of scans.
+    pub fn num_scans(&self) -> usize {
+        self.num_scans
+    }
+
+    /// The candidate pairs with their raw confidences, ascending by (i, j).
+    pub fn pairs(&self) -> &[ScoredPair] {
+        &self.pairs
+    }
+
+    /// The normalised confidences `s_ij`, one per pair.
+    pub fn normalized(&self) -> &[f64] {
+        &self.normalized
+    }
+
+    /// Positions in [`pairs`](Self::pairs) of the union of the directed top-`k` neighbourhoods,
+    /// ascending.
+    ///
+    /// Each scan selects its `k` neighbours of highest confidence (ties: lower neighbour index); a
+    /// pair that either scan selects is kept. Pairs of zero confidence are never selected, so that
+    /// a scan may have fewer neighbours, or none. `O(P log P)` for `P` pairs.
+    pub fn top_k_union(&self, k: usize) -> Vec<usize> {
+        let mut neighborhoods = vec![Vec::new(); self.num_scans];
+        for (position, pair) in self.pairs.iter().enumerate() {
+            if pair.raw_confidence > 0.0 {
+                neighborhoods[pair.i].push((pair.j, position));
+                neighborhoods[pair.j].push((pair.i, position));
+            }
+        }
+        let mut selected = vec![false; self.pairs.len()];
+        for mut neighbors in neighborhoods {
+            neighbors.sort_by(|&(a, p), &(b, q)| {
+                let [p, q] = [p, q].map(|position| self.pairs[position].raw_confidence);
+                q.total_cmp(&p).then(a.cmp(&b))
+            });
+            for &(_, position) in neighbors.iter().take(k) {
+                selected[position] = true;
+            }
+        }
+        (0..selected.len())
+            .filter(|&position| selected[position])
+            .collect()
+    }
+}
+
+fn validate(pair: &ScoredPair, num_scans: usize) -> Result<(), ConfidenceError> {
+    let &ScoredPair {
+        i,
+        j,
+        raw_confidence,
+    } = pair;
+    if i >= j || j >= num_scans {
+        return Err(ConfidenceError::InvalidPair { i, j, num_scans });
+    }
+    if !(raw_confidence.is_finite() && raw_confidence >= 0.0) {
+        return Err(ConfidenceError::InvalidConfidence {
+            i,
+            j,
+            raw_confidence,
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn pair(i: usize, j: usize, raw_confidence: f64) -> ScoredPair {
+        ScoredPair {
+            i,
+            j,
+            raw_confidence,
+        }
+    }
+
+    fn confidences() -> impl Strategy<Value = PairConfidences> {
+        let value = prop_oneof![Just(0.0), Just(1.0), 0.0..9.0f64];
+        (1..9usize, prop::collection::vec(value, 36)).prop_map(|(n, values)| {
+            let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
+            let scored = pairs.zip(values).map(|((i, j), v)| pair(i, j, v)).collect();
+            PairConfidences::new(n, scored).unwrap()
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn the_union_is_its_definition(c in confidences(), k in 0..10usize) {
+            let confidence = |i: usize, j: usize| {
+                let (i, j) = (i.min(j), i.max(j));
+                c.pairs().iter().find(|p| (p.i, p.j) == (i, j)).map_or(0.0, |p| p.raw_confidence)
+            };
+            let selects = |i: usize, j: usize| {
+                let is_ahead = |l: &usize| {
+                    let (a, b) = (confidence(i, *l), confidence(i, j));
+                    *l != i && (a > b || (a == b && *l < j))
+                };
+                confidence(i, j) > 0.0 && (0..c.num_scans()).filter(is_ahead).count() < k
+            };
+            let expected: Vec<usize> = (0..c.pairs().len())
+                .filter(|&p| {
+                    let ScoredPair { i, j, .. } = c.pairs()[p];
+                    selects(i, j) || selects(j, i)
+                })
+                .collect();
+            prop_assert_eq!(c.top_k_union(k), expected);
+        }
+
+        #[test]
+        fn a_larger_neighborhood_keeps_the_smaller_ones_edges(c in confidences(), k in 0..8usize) {
+            let larger = c.top_k_union(k + 1);
+            prop_assert!(c.top_k_union(k).iter().all(|p| larger.contains(p)));
+        }
+
+        #[test]
+        fn normalised_confidences_have_unit_norm_and_keep_their_order(c in confidences()) {
+            let norm: f64 = c.normalized().iter().map(|s| s * s).sum();
+            let all_zero = c.pairs().iter().all(|p| p.raw_confidence == 0.0);
+            prop_assert!(if all_zero { norm == 0.0 } else { (norm - 1.0).abs() < 1e-14 });
+        }
+    }
+
+    #[test]
+    fn k_beyond_the_number_of_scans_keeps_every_positive_pair() {
+        let pairs = vec![pair(0, 1, 1.0), pair(0, 2, 0.0), pair(1, 2, 2.0)];
+        let c = PairConfidences::new(3, pairs).unwrap();
+        assert_eq!(c.top_k_union(usize::MAX), [0, 2]);
+    }
+
+    #[test]
+    fn huge_confidences_normalise_without_overflow() {
+        let c = PairConfidences::new(2, vec![pair(0, 1, 1e300)]).unwrap();
+        assert_eq!(c.normalized(), [1.0]);
+    }
+
+    #[test]
+    fn no_scan_and_one_scan_have_no_pairs() {
+        for n in 0..2 {
+            let c = PairConfidences::new(n, vec![]).unwrap();
+            assert!(c.top_k_union(6).is_empty());
+        }
+    }
+
+    #[test]
+    fn names_what_is_wrong_with_a_pair() {
+        let error = |pairs| PairConfidences::new(3, pairs).unwrap_err().to_string();
+        assert_eq!(
+            error(vec![pair(1, 1, 0.0)]),
+            "pair (1, 1) is not of the form i < j < 3"
+        );
+        assert_eq!(
+            error(vec![pair(1, 3, 0.0)]),
+            "pair (1, 3) is not of the form i < j < 3"
+        );
+        assert!(error(vec![pair(0, 1, -1.0)]).contains("confidence -1"));
+        assert!(error(vec![pair(0, 1, f64::NAN)]).contains("confidence NaN"));
+        assert!(error(vec![pair(0, 1, 1.0), pair(0, 1, 1.0)]).contains("pair (0, 1) repeats"));
+    }
+}
