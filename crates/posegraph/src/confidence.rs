@@ -213,7 +213,8 @@ mod tests {
         fn normalised_confidences_have_unit_norm_and_keep_their_order(c in confidences()) {
             let norm: f64 = c.normalized().iter().map(|s| s * s).sum();
             let all_zero = c.pairs().iter().all(|p| p.raw_confidence == 0.0);
-            prop_assert!(if all_zero { norm == 0.0 } else { (norm - 1.0).abs() < 1e-14 });
+            let expected = if all_zero { 0.0 } else { 1.0 };
+            prop_assert!((norm - expected).abs() < 1e-14);
         }
     }
 
