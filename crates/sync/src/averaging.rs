@@ -1,0 +1,101 @@
+use gmpcr_geometry::nearest_rotation;
+use gmpcr_posegraph::PoseGraph;
+use nalgebra::{DMatrix, Matrix3, Rotation3};
+
+use crate::eigenspace::{Eigenspace, smallest_eigenvectors};
+use crate::laplacian::ConnectionLaplacian;
+use crate::subgraph::Subgraph;
+
+/// Rotations of all scans of a connected graph, and how well their eigenproblem was solved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AveragedRotations {
+    /// `R_i`, from the scan's frame into that of scan 0, which has the identity.
+    pub world_from_scan: Vec<Rotation3<f64>>,
+    /// Largest residual of the three eigenvectors in units of the largest weighted degree; above
+    /// 1e-9 the eigenvectors of a large, badly conditioned graph have not converged.
+    pub eigen_residual: f64,
+}
+
+/// Rotation averaging: the spectral relaxation of `argmin Σ w_ij ‖R̂_ij − R_iᵀ R_j‖_F²`.
+///
+/// The eigenvectors of the three smallest eigenvalues of the weighted connection Laplacian form an
+/// `N × 3×3` block matrix whose blocks approximate `R_iᵀ` up to one common orthogonal factor. A
+/// reflection is removed once for all scans (one eigenvector changes sign where most blocks have a
+/// negative determinant), and each block is projected onto SO(3) (Arie-Nachimson et al. 2012).
+/// Exact for noise-free measurements. `weights` holds one weight per edge of `graph`.
+///
+/// # Panics
+/// If there is not one weight per edge.
+///
+/// ```
+/// use gmpcr_posegraph::{PoseEdge, PoseGraph};
+/// use gmpcr_sync::average_rotations;
+/// use nalgebra::{Isometry3, Vector3};
+///
+/// let quarter = Isometry3::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
+/// let edge = |i, j| PoseEdge { i, j, i_from_j: quarter, weight: 1.0 };
+/// let ring = PoseGraph::new(4, vec![edge(0, 1), edge(1, 2), edge(2, 3), edge(3, 0)])?;
+/// let rotations = average_rotations(&ring, &[1.0; 4]).world_from_scan;
+/// assert!((rotations[2].angle() - std::f64::consts::PI).abs() < 1e-7);
+/// # Ok::<(), gmpcr_posegraph::PoseGraphError>(())
+/// ```
+pub fn average_rotations(graph: &PoseGraph, weights: &[f64]) -> AveragedRotations {
+    assert_eq!(weights.len(), graph.edges().len(), "one weight per edge");
+    let graph = Subgraph::whole(graph);
+    RotationAverager::new(&graph, weights).solve(weights)
+}
+
+/// Averages the rotations of one graph again and again under changing weights: the pattern is
+/// analysed once, and each search starts from the eigenvectors of the last.
+pub(crate) struct RotationAverager<'a> {
+    laplacian: ConnectionLaplacian<'a>,
+    /// Approximate eigenvectors.
+    start: DMatrix<f64>,
+}
+
+impl<'a> RotationAverager<'a> {
+    /// Starts from the rotations along a spanning tree of maximal weight.
+    pub fn new(graph: &'a Subgraph, weights: &[f64]) -> Self {
+        let rotations = graph.spanning_tree_rotations(weights);
+        let entry = |row: usize, column: usize| rotations[row / 3].matrix()[(column, row % 3)];
+        Self {
+            laplacian: ConnectionLaplacian::new(graph),
+            start: DMatrix::from_fn(3 * graph.num_nodes, 3, entry),
+        }
+    }
+
+    pub fn solve(&mut self, weights: &[f64]) -> AveragedRotations {
+        self.laplacian.set_weights(weights);
+        let Eigenspace { vectors, residual } =
+            smallest_eigenvectors(&mut self.laplacian, &self.start);
+        let world_from_scan = project_blocks(&vectors);
+        self.start = vectors;
+        AveragedRotations {
+            world_from_scan,
+            eigen_residual: residual,
+        }
+    }
+}
+
+/// Rotations from the first three eigenvectors, in the gauge of the first block.
+fn project_blocks(vectors: &DMatrix<f64>) -> Vec<Rotation3<f64>> {
+    let block = |node: usize| vectors.fixed_view::<3, 3>(3 * node, 0).into_owned();
+    let mut blocks: Vec<Matrix3<f64>> = (0..vectors.nrows() / 3).map(block).collect();
+    let num_reflected = blocks
+        .iter()
+        .filter(|block| block.determinant() < 0.0)
+        .count();
+    if 2 * num_reflected > blocks.len() {
+        blocks
+            .iter_mut()
+            .for_each(|block| block.column_mut(2).neg_mut());
+    }
+    let scan_from_world: Vec<_> = blocks.iter().map(nearest_rotation).collect();
+    let Some(reference) = scan_from_world.first() else {
+        return Vec::new();
+    };
+    scan_from_world
+        .iter()
+        .map(|rotation| reference * rotation.inverse())
+        .collect()
+}

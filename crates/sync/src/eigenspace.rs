@@ -1,0 +1,295 @@
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::{Mat, MatRef, Par};
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use crate::laplacian::ConnectionLaplacian;
+
+/// Eigenvectors of the three smallest eigenvalues of a connection Laplacian.
+#[derive(Clone, Debug)]
+pub(crate) struct Eigenspace {
+    /// Three orthonormal columns, and where there is room a few more that converged less: the
+    /// start of the next search.
+    pub vectors: DMatrix<f64>,
+    /// Largest norm of `L x − λ x` over the three, in units of the largest degree.
+    pub residual: f64,
+}
+
+/// Eigenvectors wanted: the dimension of space.
+const WANTED: usize = 3;
+/// Further vectors iterated along: the wanted ones converge at the rate of `λ₃/λ₇`.
+const GUARD: usize = 3;
+/// Residual, in units of the largest degree, at which the search stops.
+const TOLERANCE: f64 = 1e-13;
+/// A residual that rounding keeps above the tolerance is as good as it gets below this.
+const ACCEPTABLE: f64 = 1e-11;
+/// Block solves before the search gives up.
+const MAX_SOLVES: usize = 60;
+/// Block solves between attempts to move the shift closer to the eigenvalues.
+const SOLVES_PER_SHIFT: usize = 3;
+/// Up to this many rows a full decomposition is affordable where the search gives up.
+const DENSE_LIMIT: usize = 900;
+
+/// Finds the three smallest eigenvectors by block inverse iteration with Rayleigh–Ritz projection,
+/// starting from the first columns of `start`.
+///
+/// The block keeps a multiple eigenvalue (noise-free rotations have λ = 0 three times) from being
+/// missed, as single-vector Krylov methods may. The shift moves up behind the smallest Ritz value as
+/// long as the Cholesky factorisation succeeds, which is an inertia check for free. Where the
+/// iteration stalls (eigenvalues that nearly coincide) and the matrix is small, faer's full
+/// decomposition takes over; a large one is returned as it stands, with its residual.
+pub(crate) fn smallest_eigenvectors(
+    laplacian: &mut ConnectionLaplacian,
+    start: &DMatrix<f64>,
+) -> Eigenspace {
+    let scale = laplacian.largest_degree();
+    let block = (WANTED + GUARD).min(laplacian.size());
+    let mut ritz = rayleigh_ritz(laplacian, padded(start, block));
+    let mut shift = -1e-5 * scale;
+    if laplacian.factorize(shift).is_err() {
+        return ritz.into_eigenspace(scale);
+    }
+    for solves in 1..=MAX_SOLVES {
+        if ritz.residual() <= TOLERANCE * scale {
+            return ritz.into_eigenspace(scale);
+        }
+        laplacian.solve_in_place(&mut ritz.vectors);
+        ritz = rayleigh_ritz(laplacian, ritz.vectors);
+        if solves % SOLVES_PER_SHIFT == 0 {
+            shift = closer_shift(laplacian, &ritz, shift);
+        }
+    }
+    if ritz.residual() > ACCEPTABLE * scale && laplacian.size() <= DENSE_LIMIT {
+        return dense_eigenvectors(laplacian);
+    }
+    ritz.into_eigenspace(scale)
+}
+
+/// The best approximation of the eigenvectors within a subspace.
+struct Ritz {
+    values: Vec<f64>,
+    vectors: DMatrix<f64>,
+    /// `L x − θ x` of each vector.
+    residuals: DMatrix<f64>,
+}
+
+impl Ritz {
+    fn residual(&self) -> f64 {
+        let wanted = 0..WANTED.min(self.values.len());
+        wanted
+            .map(|k| self.residuals.column(k).norm())
+            .fold(0.0, f64::max)
+    }
+
+    fn into_eigenspace(self, scale: f64) -> Eigenspace {
+        Eigenspace {
+            residual: if scale > 0.0 {
+                self.residual() / scale
+            } else {
+                0.0
+            },
+            vectors: self.vectors,
+        }
+    }
+}
+
+fn rayleigh_ritz(laplacian: &ConnectionLaplacian, mut basis: DMatrix<f64>) -> Ritz {
+    orthonormalize(&mut basis);
+    let image = laplacian.multiply(&basis);
+    let SymmetricEigen {
+        eigenvectors,
+        eigenvalues,
+    } = SymmetricEigen::new(basis.tr_mul(&image));
+    let mut order: Vec<usize> = (0..eigenvalues.len()).collect();
+    order.sort_by(|&a, &b| eigenvalues[a].total_cmp(&eigenvalues[b]));
+    let rotation = eigenvectors.select_columns(&order);
+    let values: Vec<f64> = order.iter().map(|&k| eigenvalues[k]).collect();
+    let vectors = basis * &rotation;
+    let mut residuals = image * &rotation;
+    for (k, &value) in values.iter().enumerate() {
+        residuals
+            .column_mut(k)
+            .axpy(-value, &vectors.column(k), 1.0);
+    }
+    Ritz {
+        values,
+        vectors,
+        residuals,
+    }
+}
+
+/// Tries to move the shift up behind the smallest eigenvalue; returns the shift that is factored.
+///
+/// The smallest eigenvalue is at least `θ₁ − ‖L x₁ − θ₁ x₁‖` once the iteration has found it. A tenth
+/// of the spread of the block is kept as a distance, so that the system stays well conditioned.
+fn closer_shift(laplacian: &mut ConnectionLaplacian, ritz: &Ritz, current: f64) -> f64 {
+    let (first, last) = (ritz.values[0], ritz.values[ritz.values.len() - 1]);
+    let distance = (0.1 * (last - first)).max(2.0 * ritz.residuals.column(0).norm());
+    let closer = first - distance;
+    if closer <= 0.5 * current || closer - current <= 0.5 * (first - current) {
+        return current;
+    }
+    match laplacian.factorize(closer) {
+        Ok(()) => closer,
+        Err(_) => {
+            // The current shift was factored before, so it can be again.
+            let _ = laplacian.factorize(current);
+            current
+        }
+    }
+}
+
+fn dense_eigenvectors(laplacian: &ConnectionLaplacian) -> Eigenspace {
+    let (matrix, size) = (laplacian.to_dense(), laplacian.size());
+    let entries = MatRef::from_column_major_slice(matrix.as_slice(), size, size);
+    let mut vectors = Mat::<f64>::zeros(size, size);
+    let mut values = faer::Col::<f64>::zeros(size);
+    let (yes, par) = (ComputeEigenvectors::Yes, Par::Seq);
+    let scratch = self_adjoint_evd_scratch::<f64>(size, yes, par, Default::default());
+    // A failure leaves vectors that the residual shows to be wrong.
+    let _ = self_adjoint_evd(
+        entries,
+        values.as_diagonal_mut(),
+        Some(vectors.as_mut()),
+        par,
+        MemStack::new(&mut MemBuffer::new(scratch)),
+        Default::default(),
+    );
+    let block = (WANTED + GUARD).min(size);
+    let vectors = DMatrix::from_fn(size, block, |row, column| vectors[(row, column)]);
+    let mut residuals = laplacian.multiply(&vectors);
+    for column in 0..block {
+        residuals
+            .column_mut(column)
+            .axpy(-values[column], &vectors.column(column), 1.0);
+    }
+    let values = (0..block).map(|column| values[column]).collect();
+    let ritz = Ritz {
+        values,
+        vectors,
+        residuals,
+    };
+    ritz.into_eigenspace(laplacian.largest_degree())
+}
+
+/// `start` with columns cut or added to make `columns` of them.
+fn padded(start: &DMatrix<f64>, columns: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(start.nrows(), columns, |row, column| {
+        if column < start.ncols() {
+            start[(row, column)]
+        } else {
+            scattered(row, column)
+        }
+    })
+}
+
+/// A fixed number in (−1, 1) that looks random (Weyl sequence, golden ratio and √2).
+fn scattered(row: usize, column: usize) -> f64 {
+    let phase =
+        (row + 1) as f64 * 0.618_033_988_749_895 + (column + 1) as f64 * std::f64::consts::SQRT_2;
+    2.0 * (phase * phase).fract() - 1.0
+}
+
+/// Gram–Schmidt, twice. A column that depends on the others is replaced by a scattered one.
+fn orthonormalize(basis: &mut DMatrix<f64>) {
+    for column in 0..basis.ncols() {
+        let original = basis.column(column).norm();
+        project_out_previous(basis, column);
+        if !(basis.column(column).norm() > 1e-14 * original) || !original.is_finite() {
+            let rows = basis.nrows();
+            let fresh = DMatrix::from_fn(rows, 1, |row, _| scattered(row, column + 7));
+            basis.set_column(column, &fresh.column(0));
+            project_out_previous(basis, column);
+        }
+        basis.column_mut(column).normalize_mut();
+        project_out_previous(basis, column);
+        basis.column_mut(column).normalize_mut();
+    }
+}
+
+fn project_out_previous(basis: &mut DMatrix<f64>, column: usize) {
+    for previous in 0..column {
+        let (before, mut after) = basis.columns_range_pair_mut(..column, column..);
+        let previous = before.column(previous);
+        let overlap = previous.dot(&after.column(0));
+        after.column_mut(0).axpy(-overlap, &previous, 1.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Rotation3, Vector3};
+
+    use super::*;
+    use crate::subgraph::{Measurement, Subgraph};
+
+    /// A ring with chords whose rotations are off by up to `noise`.
+    fn graph(num_nodes: usize, noise: f64) -> Subgraph {
+        let node = |k: usize| Rotation3::new(Vector3::new(k as f64, 0.5 * k as f64, -1.0));
+        let pairs = (0..num_nodes).flat_map(|i| [1, 2, 5].map(|step| (i, (i + step) % num_nodes)));
+        let measurement = |(k, (i, j)): (usize, (usize, usize))| {
+            let phase = k as f64 * 1.7;
+            let error = Vector3::new(phase.sin(), phase.cos(), (2.0 * phase).sin()) * noise;
+            let rotation = node(i).inverse() * node(j) * Rotation3::new(error);
+            Measurement {
+                i,
+                j,
+                rotation,
+                translation: Vector3::zeros(),
+            }
+        };
+        let measurements = pairs
+            .filter(|(i, j)| i != j)
+            .enumerate()
+            .map(measurement)
+            .collect();
+        Subgraph {
+            num_nodes,
+            measurements,
+        }
+    }
+
+    fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
+        let (a, b) = (a.columns(0, 3).into_owned(), b.columns(0, 3).into_owned());
+        (&a - &b * b.tr_mul(&a)).norm()
+    }
+
+    #[test]
+    fn the_iteration_finds_the_space_of_the_full_decomposition() {
+        for (num_nodes, noise) in [
+            (1, 0.0),
+            (2, 0.1),
+            (3, 0.1),
+            (7, 0.0),
+            (40, 0.0),
+            (40, 0.05),
+            (60, 0.4),
+            (90, 1.0),
+        ] {
+            let graph = graph(num_nodes, noise);
+            let mut laplacian = ConnectionLaplacian::new(&graph);
+            laplacian.set_weights(&vec![0.7; graph.measurements.len()]);
+            let start = DMatrix::from_element(3 * num_nodes, 1, 1.0);
+            let found = smallest_eigenvectors(&mut laplacian, &start);
+            let dense = dense_eigenvectors(&laplacian);
+            assert!(
+                found.residual < 1e-11,
+                "{num_nodes} nodes: residual {}",
+                found.residual
+            );
+            assert!(
+                distance(&found.vectors, &dense.vectors) < 1e-8,
+                "{num_nodes} nodes"
+            );
+        }
+    }
+
+    #[test]
+    fn zero_weights_give_some_orthonormal_vectors() {
+        let graph = graph(5, 0.0);
+        let mut laplacian = ConnectionLaplacian::new(&graph);
+        let found = smallest_eigenvectors(&mut laplacian, &DMatrix::zeros(15, 3));
+        let gram = found.vectors.tr_mul(&found.vectors);
+        assert!((gram - DMatrix::identity(6, 6)).norm() < 1e-12);
+    }
+}

@@ -1,0 +1,246 @@
+/// How the rotation residuals of the edges become their next weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum History {
+    /// The paper's scheme: memory that adapts to the evolution of the overall residual, and
+    /// recovery of edges whose residual falls.
+    Adaptive(AdaptiveHistory),
+    /// The accumulating scheme of SGHR (Wang et al., CVPR 2023): with `θ` the residual in degrees,
+    /// `w ← w exp(−2 θ (ℓ+1) / (L(L+1)/2))`, multiplied on over all iterations.
+    Sghr,
+    /// Each iteration forgets the last: `w = w⁰ exp(−r)`.
+    Memoryless,
+}
+
+impl Default for History {
+    fn default() -> Self {
+        Self::Adaptive(AdaptiveHistory::default())
+    }
+}
+
+/// Parameters of the adaptive history. The default is the paper's setting for 3DMatch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdaptiveHistory {
+    /// Memory while the solution changes fast, `λ_min`; `0 ≤ λ_min ≤ λ_max`. Default 0.1.
+    pub min_memory: f64,
+    /// Memory of a settled solution, `λ_max < 1`. Default 0.9.
+    pub max_memory: f64,
+    /// Sensitivity of the memory to the relative variation of the overall residual, `κ > 0`.
+    /// Default 3.
+    pub sensitivity: f64,
+    /// Strength of the recovery, `ρ ≥ 0`; 0 switches it off. Default 0.1.
+    pub recovery: f64,
+}
+
+impl Default for AdaptiveHistory {
+    fn default() -> Self {
+        Self {
+            min_memory: 0.1,
+            max_memory: 0.9,
+            sensitivity: 3.0,
+            recovery: 0.1,
+        }
+    }
+}
+
+/// One weight update: the quantities of the paper's equations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Update {
+    /// Overall rotation error `R = Σ w r²` under the weights before the update.
+    pub weighted_error: f64,
+    /// Memory coefficient `λ` that was used; `None` in the first iteration and for schemes without
+    /// one.
+    pub memory: Option<f64>,
+    /// The new weights.
+    pub weights: Vec<f64>,
+}
+
+/// The running history of all edges of a graph.
+///
+/// ```
+/// use gmpcr_sync::{EdgeHistory, History};
+///
+/// let mut history = EdgeHistory::new(History::Memoryless, 10, vec![1.0, 1.0]);
+/// let update = history.update(&[0.0, 2.0], 0.1);
+/// assert_eq!(update.weights, [1.0, (-2f64).exp()]);
+/// ```
+#[derive(Clone, Debug)]
+pub struct EdgeHistory {
+    scheme: History,
+    num_iterations: usize,
+    initial_weights: Vec<f64>,
+    weights: Vec<f64>,
+    iteration: usize,
+    /// `h_ij` after the last update.
+    history: Vec<f64>,
+    last_residuals: Vec<f64>,
+    last_error: f64,
+}
+
+impl EdgeHistory {
+    /// Starts with the initial weights `w⁰`; `num_iterations` is the planned number of updates.
+    pub fn new(scheme: History, num_iterations: usize, initial_weights: Vec<f64>) -> Self {
+        Self {
+            scheme,
+            num_iterations,
+            weights: initial_weights.clone(),
+            initial_weights,
+            iteration: 0,
+            history: Vec::new(),
+            last_residuals: Vec::new(),
+            last_error: 0.0,
+        }
+    }
+
+    /// The current weights.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Takes the normalised residuals `r_ij` of one iteration into account. `residual_scale` is the
+    /// `s_r` (radians) that normalised them; only [`History::Sghr`] needs it, to get degrees back.
+    ///
+    /// # Panics
+    /// If there is not one residual per edge.
+    pub fn update(&mut self, residuals: &[f64], residual_scale: f64) -> Update {
+        assert_eq!(residuals.len(), self.weights.len(), "one residual per edge");
+        let squares = self.weights.iter().zip(residuals);
+        let weighted_error = squares.map(|(w, r)| w * r * r).sum();
+        let memory = match self.scheme {
+            History::Adaptive(params) => self.adaptive(residuals, weighted_error, &params),
+            History::Sghr => self.accumulate(residuals, residual_scale.to_degrees()),
+            History::Memoryless => self.forget(residuals),
+        };
+        self.iteration += 1;
+        self.last_residuals = residuals.to_vec();
+        self.last_error = weighted_error;
+        Update {
+            weighted_error,
+            memory,
+            weights: self.weights.clone(),
+        }
+    }
+
+    /// `h ← λ h + (1 − λ) r`, `g = max(0, r_last − r)`, `w = min(w⁰, w⁰ exp(−h + ρ g))`.
+    /// The first iteration has history `r` and no recovery.
+    fn adaptive(&mut self, residuals: &[f64], error: f64, params: &AdaptiveHistory) -> Option<f64> {
+        let is_first = self.iteration == 0;
+        let memory = (!is_first).then(|| memory(params, error, self.last_error));
+        if is_first {
+            self.history = residuals.to_vec();
+            self.last_residuals = residuals.to_vec();
+        }
+        let lambda = memory.unwrap_or(0.0);
+        for (k, &residual) in residuals.iter().enumerate() {
+            self.history[k] = lambda * self.history[k] + (1.0 - lambda) * residual;
+            let gain = (self.last_residuals[k] - residual).max(0.0);
+            let exponent = params.recovery * gain - self.history[k];
+            self.weights[k] = self.initial_weights[k] * exponent.exp().min(1.0);
+        }
+        memory
+    }
+
+    fn accumulate(&mut self, residuals: &[f64], degrees_per_unit: f64) -> Option<f64> {
+        let count = self.num_iterations as f64;
+        let share = (self.iteration as f64 + 1.0) / (count * (count + 1.0) / 2.0);
+        for (weight, residual) in self.weights.iter_mut().zip(residuals) {
+            *weight *= (-2.0 * residual * degrees_per_unit * share).exp();
+        }
+        None
+    }
+
+    fn forget(&mut self, residuals: &[f64]) -> Option<f64> {
+        let pairs = self.initial_weights.iter().zip(residuals);
+        self.weights = pairs.map(|(initial, r)| initial * (-r).exp()).collect();
+        None
+    }
+}
+
+/// `λ = λ_min + (λ_max − λ_min) exp(−κ ΔR)` with `ΔR = |R − R_last| / R_last`; an overall error
+/// that was zero counts as settled, `ΔR = 0`.
+fn memory(params: &AdaptiveHistory, error: f64, last_error: f64) -> f64 {
+    let variation = if last_error > 0.0 {
+        (error - last_error).abs() / last_error
+    } else {
+        0.0
+    };
+    let range = params.max_memory - params.min_memory;
+    params.min_memory + range * (-params.sensitivity * variation).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn residual_runs() -> impl Strategy<Value = Vec<Vec<f64>>> {
+        prop::collection::vec(prop::collection::vec(0.0..36.0f64, 5), 1..8)
+    }
+
+    proptest! {
+        #[test]
+        fn no_weight_exceeds_its_initial_value(runs in residual_runs(), recovery in 0.0..50.0f64) {
+            let params = AdaptiveHistory { recovery, ..Default::default() };
+            for scheme in [History::Adaptive(params), History::Sghr, History::Memoryless] {
+                let initial = vec![0.1, 0.5, 1.0, 2.0, 0.0];
+                let mut history = EdgeHistory::new(scheme, runs.len(), initial.clone());
+                for residuals in &runs {
+                    let update = history.update(residuals, 0.1);
+                    prop_assert!(update.weights.iter().zip(&initial).all(|(w, w0)| *w <= *w0 && *w >= 0.0));
+                }
+            }
+        }
+
+        #[test]
+        fn the_scale_of_the_weights_does_not_matter(runs in residual_runs(), scale in 0.01..100.0f64) {
+            for scheme in [History::default(), History::Sghr, History::Memoryless] {
+                let mut one = EdgeHistory::new(scheme, runs.len(), vec![0.3; 5]);
+                let mut other = EdgeHistory::new(scheme, runs.len(), vec![0.3 * scale; 5]);
+                for residuals in &runs {
+                    let (a, b) = (one.update(residuals, 0.1), other.update(residuals, 0.1));
+                    for (w, v) in a.weights.iter().zip(&b.weights) {
+                        assert_relative_eq!(w * scale, *v, max_relative = 1e-9);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn memory_is_long_when_settled_and_short_when_the_error_jumps() {
+        let params = AdaptiveHistory::default();
+        assert_eq!(memory(&params, 1.0, 1.0), 0.9);
+        assert_eq!(memory(&params, 1.0, 0.0), 0.9);
+        assert_relative_eq!(memory(&params, 1e9, 1.0), 0.1);
+        assert_relative_eq!(memory(&params, 1.5, 1.0), 0.1 + 0.8 * (-1.5f64).exp());
+    }
+
+    #[test]
+    fn a_falling_residual_recovers_and_a_rising_one_does_not() {
+        let with = |recovery| {
+            let params = AdaptiveHistory {
+                recovery,
+                ..Default::default()
+            };
+            let mut history = EdgeHistory::new(History::Adaptive(params), 2, vec![1.0, 1.0]);
+            history.update(&[4.0, 1.0], 0.1);
+            history.update(&[1.0, 4.0], 0.1).weights
+        };
+        assert!(with(0.1)[0] > with(0.0)[0]);
+        assert_eq!(with(0.1)[1], with(0.0)[1]);
+    }
+
+    #[test]
+    fn the_sghr_exponents_add_up_to_twice_the_mean_angle() {
+        let mut history = EdgeHistory::new(History::Sghr, 4, vec![1.0]);
+        for _ in 0..4 {
+            history.update(&[1.5], 2f64.to_radians());
+        }
+        assert_relative_eq!(
+            history.weights()[0],
+            (-2.0 * 3.0f64).exp(),
+            max_relative = 1e-12
+        );
+    }
+}
