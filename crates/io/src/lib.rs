@@ -1,1 +1,58 @@
 //! Point clouds, descriptors, poses and pose graphs in the files that people already have.
+//!
+//! Registration of scans has data before it and results after it. This crate reads the one and
+//! writes the other as plain values, [`nalgebra`] points and motions; it knows no algorithm.
+//!
+//! | what | format | read | write |
+//! |---|---|---|---|
+//! | point clouds | PLY, PCD | [`read_points`], [`read_ply`], [`read_pcd`] | [`write_merged_ply`] |
+//! | keypoints, descriptors | NumPy `.npy` | [`read_keypoints`], [`read_descriptors`], [`read_npy_matrix`] | |
+//! | absolute poses | TUM, rows of 3×4 matrices | [`read_poses_tum`], [`read_poses_3x4`] | [`write_poses_tum`], [`write_poses_3x4`] |
+//! | pose graphs | g2o | [`read_g2o`] | [`write_g2o`] |
+//! | benchmark pairs | 3DMatch `gt.log`, `gt.info` | [`read_gt_log`], [`read_gt_info`] | [`write_gt_log`] |
+//! | data folders | | [`scan_files`], [`descriptor_files`] | |
+//!
+//! # Conventions
+//! * `a_from_b` maps coordinates in frame `b` to coordinates in frame `a`. A pose is
+//!   `world_from_scan`; a relative pose `i_from_j = world_from_i^-1 * world_from_j` maps scan `j`
+//!   into the frame of scan `i`.
+//! * Lengths are in the unit of the file.
+//! * Quaternions are written vector first, scalar last: `qx qy qz qw`.
+//!
+//! # What to rely on
+//! * A file that is empty, foreign, cut off or false about its size gives an [`Error`] that names
+//!   the file, the line where there is one, and the reason. It causes no panic, and memory is
+//!   reserved only for what the file can hold.
+//! * Writers fill a hidden temporary file beside the target and rename it: a result is complete or
+//!   absent. A link at the target's place is replaced, not followed.
+//! * Numbers in text are written with all the digits that bring the same `f64` back.
+
+mod atomic;
+mod benchmark;
+mod bytes;
+mod error;
+mod folder;
+mod g2o;
+mod merged;
+mod npy;
+mod pcd;
+mod ply;
+mod points;
+mod poses;
+mod rigid;
+mod text;
+
+pub use benchmark::{InfoEntry, LogEntry, read_gt_info, read_gt_log, write_gt_log};
+pub use error::Error;
+pub use folder::{DescriptorFiles, descriptor_files, scan_files};
+pub use g2o::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
+pub use merged::{distinct_color, write_merged_ply};
+pub use npy::{Descriptors, NpyMatrix, read_descriptors, read_keypoints, read_npy_matrix};
+pub use pcd::read_pcd;
+pub use ply::read_ply;
+pub use points::{PointFile, read_points};
+pub use poses::{read_poses_3x4, read_poses_tum, write_poses_3x4, write_poses_tum};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,0 +1,117 @@
+//! What a user can choose, with the defaults of the field.
+
+use crate::{Error, check};
+use nalgebra::Point3;
+
+/// Neighbourhood and orientation of [`estimate_normals`](crate::estimate_normals).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormalParams {
+    /// Only points closer than this are fitted, in the unit of the cloud; from 1e-100 to 1e100.
+    /// Default 0.10 (two voxels of 5 cm, in metres).
+    pub radius: f64,
+    /// Fit at most this many of the nearest points, the point itself among them; at least 1.
+    /// Default 30.
+    pub max_neighbors: usize,
+    /// Normals point to the side of the surface on which this point lies, in the frame of the
+    /// cloud. Default the origin, where the sensor of a scan usually is.
+    pub viewpoint: Point3<f64>,
+}
+
+/// Neighbourhood of [`fpfh`](crate::fpfh).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FpfhParams {
+    /// Only points closer than this are compared, in the unit of the cloud; from 1e-100 to
+    /// 1e100. Default 0.25 (five voxels of 5 cm, in metres).
+    pub radius: f64,
+    /// Compare at most this many of the nearest points, the point itself among them; at least 1.
+    /// Default 100.
+    pub max_neighbors: usize,
+}
+
+/// Everything [`describe`](crate::describe) needs to know.
+///
+/// ```
+/// use gmpcr_features::{FeatureParams, NormalParams};
+/// use nalgebra::Point3;
+///
+/// let params = FeatureParams::from_voxel_size(0.05);
+/// assert_eq!(params, FeatureParams::default());
+/// assert_eq!((params.normals.radius, params.fpfh.radius), (0.10, 0.25));
+///
+/// // The sensor stood two metres above the origin of the scan.
+/// let viewpoint = Point3::new(0.0, 0.0, 2.0);
+/// let normals = NormalParams { viewpoint, ..params.normals };
+/// let params = FeatureParams { normals, ..params };
+/// # assert_eq!(params.normals.radius, 0.10);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeatureParams {
+    /// Edge of the cubes of which each keeps one point, in the unit of the cloud; from 1e-100 to
+    /// 1e100. Default 0.05 (metres).
+    pub voxel_size: f64,
+    /// Normals, fitted to the thinned cloud.
+    pub normals: NormalParams,
+    /// Descriptors of the thinned cloud.
+    pub fpfh: FpfhParams,
+}
+
+impl FeatureParams {
+    /// The customary radii for a cloud with one point per voxel: two voxels for normals, five for
+    /// descriptors, with at most 30 and 100 neighbours.
+    ///
+    /// Five centimetres suit rooms scanned by depth cameras, as in the 3DMatch benchmark.
+    #[must_use]
+    pub fn from_voxel_size(voxel_size: f64) -> Self {
+        Self {
+            voxel_size,
+            normals: NormalParams {
+                radius: 2.0 * voxel_size,
+                max_neighbors: 30,
+                viewpoint: Point3::origin(),
+            },
+            fpfh: FpfhParams {
+                radius: 5.0 * voxel_size,
+                max_neighbors: 100,
+            },
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        check::length("voxel_size", self.voxel_size)?;
+        self.normals.check()?;
+        self.fpfh.check()
+    }
+}
+
+impl Default for FeatureParams {
+    fn default() -> Self {
+        Self::from_voxel_size(0.05)
+    }
+}
+
+impl NormalParams {
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        check::length("normals.radius", self.radius)?;
+        check::count("normals.max_neighbors", self.max_neighbors)?;
+        check::viewpoint(&self.viewpoint)
+    }
+}
+
+impl Default for NormalParams {
+    fn default() -> Self {
+        FeatureParams::default().normals
+    }
+}
+
+impl FpfhParams {
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        check::length("fpfh.radius", self.radius)?;
+        check::count("fpfh.max_neighbors", self.max_neighbors)
+    }
+}
+
+impl Default for FpfhParams {
+    fn default() -> Self {
+        FeatureParams::default().fpfh
+    }
+}

@@ -1,0 +1,56 @@
+//! Binary files: opened, measured, and checked before memory is spent on them.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Seek};
+use std::path::Path;
+
+use crate::Error;
+
+/// A file that is being read, and its length in bytes.
+pub(crate) struct Source<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) reader: BufReader<File>,
+    length: u64,
+}
+
+impl<'a> Source<'a> {
+    /// Opens the file and looks whether it starts with `magic`, which marks a file as `format`.
+    pub(crate) fn open(path: &'a Path, format: &str, magic: &[u8]) -> Result<Self, Error> {
+        let file = File::open(path).map_err(Error::io("open", path))?;
+        let length = file.metadata().map_err(Error::io("open", path))?.len();
+        let mut reader = BufReader::with_capacity(1 << 16, file);
+        let start = reader.fill_buf().map_err(Error::io("read", path))?;
+        if start.is_empty() {
+            return Err(Error::malformed(path, "the file is empty"));
+        }
+        if !start.starts_with(magic) {
+            return Err(Error::malformed(path, format!("not a {format} file")));
+        }
+        Ok(Self {
+            path,
+            reader,
+            length,
+        })
+    }
+
+    /// Counts in a header are promises; no memory is spent before the file is known to hold them.
+    ///
+    /// `what` describes what needs at least `needed` bytes; `None` stands for more than a number
+    /// can say.
+    pub(crate) fn expect_left(&mut self, needed: Option<u64>, what: &str) -> Result<(), Error> {
+        let left = self.bytes_left()?;
+        match needed {
+            Some(needed) if needed <= left => Ok(()),
+            _ => Err(Error::malformed(
+                self.path,
+                format!("the header announces {what}, but only {left} bytes follow"),
+            )),
+        }
+    }
+
+    pub(crate) fn bytes_left(&mut self) -> Result<u64, Error> {
+        let position = self.reader.stream_position();
+        let position = position.map_err(Error::io("read", self.path))?;
+        Ok(self.length.saturating_sub(position))
+    }
+}

@@ -1,0 +1,168 @@
+//! Registered scans in one coloured cloud, to look at.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Seek, Write};
+use std::path::Path;
+
+use nalgebra::Point3;
+
+use crate::Error;
+use crate::atomic::write_atomically;
+
+/// Writes clouds into one PLY file, each in its colour.
+///
+/// `clouds` yields the points of a cloud, already in the common frame, with red, green and blue.
+/// Points are written as they come and never gathered, so the motion into the world can be applied
+/// on the way. The file is binary little-endian with `float x y z` and `uchar red green blue`:
+/// coordinates are rounded to 24 bits, which shows only far from the origin.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be written; then it is as it was before.
+///
+/// # Example
+/// ```
+/// use gmpcr_io::{distinct_color, read_ply, write_merged_ply};
+/// use nalgebra::{Isometry3, Point3};
+///
+/// let scan = vec![Point3::new(0.0, 0.0, 1.0), Point3::new(0.5, 0.0, 1.0)];
+/// let world_from_scan = [Isometry3::identity(), Isometry3::translation(2.0, 0.0, 0.0)];
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("merged.ply");
+/// write_merged_ply(
+///     &path,
+///     world_from_scan.iter().enumerate().map(|(k, pose)| {
+///         (scan.iter().map(move |point| pose * point), distinct_color(k))
+///     }),
+/// )?;
+///
+/// let merged = read_ply(&path)?.points;
+/// assert_eq!(merged.len(), 4);
+/// assert_eq!(merged[3], Point3::new(2.5, 0.0, 1.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_merged_ply<Clouds, Points>(path: impl AsRef<Path>, clouds: Clouds) -> Result<(), Error>
+where
+    Clouds: IntoIterator<Item = (Points, [u8; 3])>,
+    Points: IntoIterator<Item = Point3<f64>>,
+{
+    write_atomically(path.as_ref(), |file| {
+        file.write_all(header(0).as_bytes())?;
+        let mut num_points = 0;
+        for (points, color) in clouds {
+            for point in points {
+                write_point(file, &point, color)?;
+                num_points += 1;
+            }
+        }
+        overwrite_header(file, num_points)
+    })
+}
+
+fn write_point(file: &mut impl Write, point: &Point3<f64>, color: [u8; 3]) -> io::Result<()> {
+    for coordinate in point.iter() {
+        file.write_all(&(*coordinate as f32).to_le_bytes())?;
+    }
+    file.write_all(&color)
+}
+
+fn overwrite_header(file: &mut BufWriter<File>, num_points: u64) -> io::Result<()> {
+    file.rewind()?;
+    file.write_all(header(num_points).as_bytes())
+}
+
+/// The header, equally long for any count: a comment takes up the slack.
+fn header(num_points: u64) -> String {
+    let count = num_points.to_string();
+    let slack = ".".repeat(20usize.saturating_sub(count.len()));
+    format!(
+        "ply\n\
+         format binary_little_endian 1.0\n\
+         comment registered scans {slack}\n\
+         element vertex {count}\n\
+         property float x\n\
+         property float y\n\
+         property float z\n\
+         property uchar red\n\
+         property uchar green\n\
+         property uchar blue\n\
+         end_header\n"
+    )
+}
+
+/// Red, green and blue of the `k`-th of any number of colours that are easy to tell apart.
+///
+/// The hue advances by the golden angle, so each new colour falls into the widest gap that the ones
+/// before it have left; saturation and value stay at 0.7 and 0.95.
+///
+/// # Example
+/// ```
+/// use gmpcr_io::distinct_color;
+///
+/// assert_eq!(distinct_color(0), [242, 73, 73]);
+/// assert_ne!(distinct_color(1), distinct_color(2));
+/// ```
+pub fn distinct_color(k: usize) -> [u8; 3] {
+    const GOLDEN_TURN: f64 = 0.381_966_011_250_105_15; // 1 - 1/phi
+    const SATURATION: f64 = 0.7;
+    const VALUE: f64 = 0.95;
+    let sextant = 6.0 * (k as f64 * GOLDEN_TURN).fract();
+    // From hue, saturation and value: each channel is a trapezoid over the hue.
+    [5.0, 3.0, 1.0].map(|offset| {
+        let place = (offset + sextant) % 6.0;
+        let darkening = place.min(4.0 - place).clamp(0.0, 1.0);
+        (255.0 * VALUE * (1.0 - SATURATION * darkening)).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn the_header_is_equally_long_for_any_count() {
+        for count in [0, 9, 10, 123_456, u64::MAX] {
+            assert_eq!(header(count).len(), header(0).len());
+        }
+    }
+
+    #[test]
+    fn points_and_colours_stand_where_the_header_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("merged.ply");
+        let cloud = |n: usize| vec![Point3::new(1.0, -2.0, 0.5); n];
+        write_merged_ply(
+            &path,
+            [
+                (cloud(11), [1, 2, 3]),
+                (cloud(0), [4; 3]),
+                (cloud(1), [7, 8, 9]),
+            ],
+        )
+        .unwrap();
+        let bytes = fs::read(&path).unwrap();
+        assert_eq!(bytes.len(), header(12).len() + 12 * 15);
+        assert!(bytes.starts_with(header(12).as_bytes()));
+        let last = &bytes[bytes.len() - 15..];
+        assert_eq!(last[..4], 1.0f32.to_le_bytes());
+        assert_eq!(last[4..8], (-2.0f32).to_le_bytes());
+        assert_eq!(last[12..], [7, 8, 9]);
+        assert_eq!(crate::read_ply(&path).unwrap().points, cloud(12));
+    }
+
+    #[test]
+    fn the_first_thirty_colours_differ_clearly() {
+        let colors: Vec<_> = (0..30).map(distinct_color).collect();
+        for (k, a) in colors.iter().enumerate() {
+            for b in &colors[..k] {
+                let distance: i32 = a
+                    .iter()
+                    .zip(b)
+                    .map(|(&a, &b)| (i32::from(a) - i32::from(b)).abs())
+                    .sum();
+                assert!(distance >= 16, "{a:?} {b:?}");
+            }
+        }
+    }
+}

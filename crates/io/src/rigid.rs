@@ -1,0 +1,147 @@
+//! Rigid motions as numbers in a row: quaternion form and matrix form.
+
+use std::io::{self, Write};
+
+use nalgebra::{
+    Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3, Vector4,
+};
+
+/// How far an entry of a written rotation may be from the nearest true one: files are written with
+/// few digits, but a matrix further off was never a rotation.
+pub(crate) const ROTATION_TOLERANCE: f64 = 1e-2;
+
+/// The motion of `x y z qx qy qz qw`; the quaternion is brought to unit length.
+///
+/// One that has unit length up to rounding is taken as it is, so that what was written with all
+/// digits comes back bit by bit.
+pub(crate) fn from_quaternion_row(row: [f64; 7]) -> Result<Isometry3<f64>, String> {
+    let [x, y, z, qx, qy, qz, qw] = row;
+    let quaternion = Quaternion::new(qw, qx, qy, qz);
+    let length = quaternion.norm();
+    if !(1e-6..1e6).contains(&length) {
+        return Err(format!(
+            "a quaternion of length {length:e} stands for no rotation"
+        ));
+    }
+    let rotation = if (length - 1.0).abs() <= 1e-14 {
+        UnitQuaternion::new_unchecked(quaternion)
+    } else {
+        UnitQuaternion::new_normalize(quaternion)
+    };
+    Ok(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
+}
+
+/// `x y z qx qy qz qw`, each with the digits that give the same number back.
+pub(crate) fn write_quaternion_row(
+    file: &mut impl Write,
+    motion: &Isometry3<f64>,
+) -> io::Result<()> {
+    let [x, y, z] = motion.translation.vector.into();
+    let [qx, qy, qz, qw] = Vector4::into(motion.rotation.coords);
+    write!(file, "{x:?} {y:?} {z:?} {qx:?} {qy:?} {qz:?} {qw:?}")
+}
+
+/// The motion of the upper three rows `[R | t]` of its matrix, row by row.
+///
+/// `R` is replaced by the nearest rotation; one further away than [`ROTATION_TOLERANCE`] in any
+/// entry is refused.
+pub(crate) fn from_matrix_rows(rows: [f64; 12]) -> Result<Isometry3<f64>, String> {
+    let [a, b, c, x, d, e, f, y, g, h, i, z] = rows;
+    let written = Matrix3::new(a, b, c, d, e, f, g, h, i);
+    let rotation = nearest_rotation(&written)
+        .filter(|rotation| (rotation - written).amax() <= ROTATION_TOLERANCE)
+        .ok_or_else(|| {
+            let det = written.determinant();
+            format!("the 3x3 part is no rotation within {ROTATION_TOLERANCE} (determinant {det})")
+        })?;
+    let rotation = Rotation3::from_matrix_unchecked(rotation);
+    Ok(Isometry3::from_parts(
+        Vector3::new(x, y, z).into(),
+        UnitQuaternion::from_rotation_matrix(&rotation),
+    ))
+}
+
+/// The upper three rows `[R | t]` of the matrix of `motion`.
+pub(crate) fn matrix_rows(motion: &Isometry3<f64>) -> [[f64; 4]; 3] {
+    let matrix = motion.to_homogeneous();
+    std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))
+}
+
+/// The rotation nearest to `matrix` in the Frobenius norm, for a matrix that is almost one.
+///
+/// Newton's iteration `X <- (X + X^-T) / 2` for the polar factor (Higham, 1986) doubles the number
+/// of right digits each time: five steps lead from an error of 0.1 below the rounding error.
+fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let mut polar = *matrix;
+    if polar.determinant() <= 0.0 {
+        return None;
+    }
+    for _ in 0..6 {
+        polar = (polar + polar.try_inverse()?.transpose()) / 2.0;
+    }
+    Some(polar)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn some_motion() -> Isometry3<f64> {
+        Isometry3::new(Vector3::new(1.0, -2.0, 3.0), Vector3::new(0.3, -0.5, 0.9))
+    }
+
+    fn flat(rows: [[f64; 4]; 3]) -> [f64; 12] {
+        std::array::from_fn(|k| rows[k / 4][k % 4])
+    }
+
+    #[test]
+    fn the_matrix_rows_give_the_motion_back() {
+        let motion = some_motion();
+        let back = from_matrix_rows(flat(matrix_rows(&motion))).unwrap();
+        assert_relative_eq!(back, motion, epsilon = 1e-14);
+    }
+
+    #[test]
+    fn a_half_turn_survives_its_matrix() {
+        let motion = Isometry3::rotation(Vector3::y() * std::f64::consts::PI);
+        let back = from_matrix_rows(flat(matrix_rows(&motion))).unwrap();
+        assert!(back.rotation.angle_to(&motion.rotation) < 1e-14);
+    }
+
+    #[test]
+    fn a_rounded_matrix_becomes_the_nearest_rotation() {
+        let motion = some_motion();
+        let rounded = flat(matrix_rows(&motion)).map(|entry| (entry * 1e3).round() / 1e3);
+        let back = from_matrix_rows(rounded).unwrap();
+        let rotation = back.rotation.to_rotation_matrix().into_inner();
+        assert_relative_eq!(
+            rotation.transpose() * rotation,
+            Matrix3::identity(),
+            epsilon = 1e-14
+        );
+        // Nearest: the difference to the rounded matrix, turned back, is symmetric.
+        let rounded = Matrix3::from_fn(|row, column| rounded[row * 4 + column]);
+        let stretch = rotation.transpose() * rounded;
+        assert_relative_eq!(stretch, stretch.transpose(), epsilon = 1e-14);
+    }
+
+    #[test]
+    fn what_is_no_rotation_is_refused() {
+        let mirror = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0];
+        let scaled = [1.1, 0.0, 0.0, 0.0, 0.0, 1.1, 0.0, 0.0, 0.0, 0.0, 1.1, 0.0];
+        for rows in [mirror, scaled, [0.0; 12], [1e-200; 12], [1e200; 12]] {
+            assert!(from_matrix_rows(rows).is_err(), "{rows:?}");
+        }
+        assert!(from_quaternion_row([0.0; 7]).is_err());
+        assert!(from_quaternion_row([1e200; 7]).is_err());
+    }
+
+    #[test]
+    fn quaternions_of_any_length_are_normalised() {
+        let motion = from_quaternion_row([0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 2.0]).unwrap();
+        let quarter_turn =
+            UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::FRAC_PI_2);
+        assert!(motion.rotation.angle_to(&quarter_turn) < 1e-15);
+    }
+}
