@@ -1,2 +1,117 @@
-//! Benchmarks.
-fn main() {}
+//! Time of every stage at the paper's sizes, on simulated scans and, where `GMPCR_DATA` names
+//! them, on real ones.
+//!
+//! ```text
+//! cargo bench --bench stages
+//! ```
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use std::hint::black_box;
+use std::path::{Path, PathBuf};
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use gmpcr::cliques::{Compatibility, estimate_pose};
+use gmpcr::compatibility::{DominantEigenpair, SpectralFilter};
+use gmpcr::correspondence::{
+    Keypoints, correspondences, farthest_point_sampling, match_descriptors,
+};
+use gmpcr::features::{FeatureParams, describe};
+use gmpcr::sync::synchronize;
+use gmpcr::{Descriptors, Params, Scan, describe_clouds, register};
+use gmpcr_io::{descriptor_files, read_descriptors, read_keypoints};
+use gmpcr_sim::{SimParams, simulate};
+
+/// Learned descriptors of a real scene, or FPFH of simulated scans.
+fn scans() -> (String, Vec<Scan>) {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    let data = std::env::var_os("GMPCR_DATA").map_or(default, PathBuf::from);
+    let Ok(files) = descriptor_files(data.join("descriptors/redkitchen")) else {
+        eprintln!(
+            "no real scans in {}: simulated ones are used",
+            data.display()
+        );
+        let clouds = simulate(&SimParams::default()).unwrap().clouds;
+        let scans = describe_clouds(&clouds, &FeatureParams::default()).unwrap();
+        return ("simulated".into(), scans);
+    };
+    let scan = |files: &gmpcr_io::DescriptorFiles| {
+        let read = read_descriptors(&files.descriptors).unwrap();
+        let descriptors = Descriptors::new(read.values, read.dimension).unwrap();
+        Scan::new(read_keypoints(&files.keypoints).unwrap(), descriptors).unwrap()
+    };
+    ("redkitchen".into(), files.iter().map(scan).collect())
+}
+
+fn pair_stages(criterion: &mut Criterion) {
+    let (name, scans) = scans();
+    let params = Params::threedmatch();
+    let mut group = criterion.benchmark_group(format!("pair/{name}"));
+    group.bench_function("farthest-point sampling of a scan", |bencher| {
+        bencher.iter(|| farthest_point_sampling(black_box(scans[0].descriptors()), 200));
+    });
+    let keypoints: Vec<_> = scans[..2]
+        .iter()
+        .map(|scan| Keypoints::sample(scan, 200))
+        .collect();
+    group.bench_function("matching 200 × 200", |bencher| {
+        bencher.iter(|| match_descriptors(keypoints[0].descriptors(), keypoints[1].descriptors()));
+    });
+    let pairs = correspondences(&keypoints[0], &keypoints[1], 100).unwrap();
+    group.bench_function("compatibility, filter, confidence", |bencher| {
+        bencher.iter(|| SpectralFilter::new(black_box(&pairs), &params.compatibility));
+    });
+    let filter = SpectralFilter::new(&pairs, &params.compatibility);
+    group.bench_function("dominant eigenvector, 50 × 50", |bencher| {
+        bencher.iter(|| DominantEigenpair::new(black_box(filter.graph.scg())));
+    });
+    let retained = pairs.select(&filter.retained);
+    group.bench_function("cliques and motion", |bencher| {
+        bencher.iter(|| {
+            let compatibility = Compatibility {
+                fcg: filter.graph.fcg(),
+                scg: filter.graph.scg(),
+                response: &filter.dominant.vector,
+            };
+            estimate_pose(black_box(&retained), compatibility, &params.cliques)
+        });
+    });
+    group.finish();
+}
+
+fn whole(criterion: &mut Criterion) {
+    let (name, scans) = scans();
+    let params = Params::threedmatch();
+    let mut group = criterion.benchmark_group(format!("whole/{name}"));
+    group.sample_size(10);
+    group.bench_function("sampling to poses", |bencher| {
+        bencher.iter(|| register(black_box(&scans), &params));
+    });
+    let graph = register(&scans, &params).unwrap().graph;
+    for (name, params) in [
+        ("10", Params::threedmatch()),
+        ("90", Params::threedlomatch()),
+    ] {
+        group.bench_function(format!("synchronisation, {name} iterations"), |bencher| {
+            bencher.iter(|| synchronize(black_box(&graph), &params.sync));
+        });
+    }
+    group.finish();
+}
+
+fn features(criterion: &mut Criterion) {
+    let params = SimParams {
+        num_scans: 1,
+        ..SimParams::default()
+    };
+    let cloud = simulate(&params).unwrap().clouds.remove(0);
+    criterion.bench_function(
+        "voxel grid, normals and FPFH of a simulated scan",
+        |bencher| {
+            bencher.iter(|| describe(black_box(&cloud), &FeatureParams::default()));
+        },
+    );
+}
+
+criterion_group!(benches, pair_stages, whole, features);
+criterion_main!(benches);

@@ -1,0 +1,73 @@
+//! Recalls and errors where the truth is known.
+
+use std::error::Error;
+
+use gmpcr::Registration;
+use gmpcr_eval::{
+    GroundTruthPair, PairErrors, Protocol, RotationSign, WorldPoses, registration_recall,
+};
+
+use crate::input::Truth;
+
+pub fn print_evaluation(truth: &Truth, registration: &Registration) -> Result<(), Box<dyn Error>> {
+    let poses = registration
+        .world_from_scan
+        .iter()
+        .copied()
+        .map(Some)
+        .collect();
+    let poses = WorldPoses::new(poses, registration.components.labels().to_vec())?;
+    if let Some(matches) = &truth.matches {
+        print_recalls(matches, &poses)?;
+    }
+    if let Some(world_from_scan) = &truth.world_from_scan {
+        print_errors(&PairErrors::of_all(world_from_scan, &poses)?);
+    }
+    Ok(())
+}
+
+/// Both readings of the rotation's sign, see [`RotationSign`].
+fn print_recalls(
+    matches: &[Vec<GroundTruthPair>; 2],
+    poses: &WorldPoses,
+) -> Result<(), Box<dyn Error>> {
+    let protocols = [Protocol::ThreeDMatch, Protocol::ThreeDLoMatch];
+    println!("\nregistration recall          3DMatch  3DLoMatch");
+    let readings = [
+        ("as the benchmark computes it", RotationSign::Benchmark),
+        ("with e = (t, −q)", RotationSign::Conjugate),
+    ];
+    for (reading, sign) in readings {
+        print!("{reading:<28}");
+        for (pairs, protocol) in matches.iter().zip(protocols) {
+            let recall = registration_recall(pairs, poses, protocol, sign)?;
+            match recall.share() {
+                Some(share) => print!(" {:>6.1} % ", 100.0 * share),
+                None => print!(" {:>8} ", "no pairs"),
+            }
+            for (i, j) in &recall.unjudgeable {
+                eprintln!(
+                    "pair ({i}, {j}) has an empty information matrix: it counts as not registered"
+                );
+            }
+        }
+        println!();
+    }
+    Ok(())
+}
+
+fn print_errors(errors: &PairErrors) {
+    println!("\nerror over all pairs    mean      median");
+    if let (Some(mean), Some(median)) = (errors.mean(), errors.median()) {
+        println!(
+            "rotation          {:>8.3}°  {:>9.3}°",
+            mean.rotation_degrees(),
+            median.rotation_degrees()
+        );
+        println!(
+            "translation       {:>8.4} m {:>9.4} m",
+            mean.translation, median.translation
+        );
+    }
+    println!("pairs without a common frame  {}", errors.num_missing());
+}

@@ -1,0 +1,131 @@
+//! Registers many scans at once.
+//!
+//! ```text
+//! cargo run --release --example multiview                         # simulated scans
+//! cargo run --release --example multiview -- FOLDER               # PLY or PCD scans of a folder
+//! cargo run --release --example multiview -- FOLDER --descriptors DIR   # learned descriptors
+//! ```
+//!
+//! Prints the stage times, the edges and, where the truth is known, recalls and errors; writes the
+//! merged cloud, poses and edges.
+
+mod evaluation;
+mod input;
+mod output;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Parser, ValueEnum};
+use gmpcr::{Params, Registration, register};
+
+use evaluation::print_evaluation;
+use input::Input;
+use output::write_results;
+
+#[derive(Parser)]
+#[command(about = "Registers many scans at once; simulates them where no folder is given")]
+struct Arguments {
+    /// Folder of .ply or .pcd scans, each in its own frame with the sensor at the origin.
+    folder: Option<PathBuf>,
+    /// Folder of <name>.kpts.npy (n×3) and <name>.desc.npy (n×d), one pair per scan in the order
+    /// of the scans, instead of FPFH.
+    #[arg(long, requires = "folder", value_name = "DIR")]
+    descriptors: Option<PathBuf>,
+    /// Voxel size in the unit of the scans. Radii of normals and FPFH are 2 and 5 voxels, and the
+    /// tolerances of compatibility and inliers 2.
+    #[arg(long, default_value_t = 0.05)]
+    voxel: f64,
+    /// Parameters of the paper for one of its datasets.
+    #[arg(long, value_enum, default_value_t = Preset::Threedmatch)]
+    preset: Preset,
+    /// Where to write merged.ply, poses.txt, poses.tum, edges.csv and posegraph.g2o.
+    #[arg(long, default_value = "out", value_name = "DIR")]
+    out: PathBuf,
+    /// Number of simulated scans.
+    #[arg(long, default_value_t = 24, conflicts_with = "folder")]
+    scans: usize,
+    /// Seed of the simulation.
+    #[arg(long, default_value_t = 7, conflicts_with = "folder")]
+    seed: u64,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Preset {
+    Threedmatch,
+    Threedlomatch,
+    Scannet,
+    Eth,
+}
+
+impl Preset {
+    fn params(self) -> Params {
+        match self {
+            Self::Threedmatch => Params::threedmatch(),
+            Self::Threedlomatch => Params::threedlomatch(),
+            Self::Scannet => Params::scannet(),
+            Self::Eth => Params::eth(),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let params = arguments
+        .preset
+        .params()
+        .with_tolerance(2.0 * arguments.voxel);
+    params.validate()?;
+    let input = match &arguments.folder {
+        Some(folder) => Input::read(folder, arguments.descriptors.as_deref(), arguments.voxel)?,
+        None => Input::simulate(arguments.scans, arguments.seed, arguments.voxel)?,
+    };
+    let start = Instant::now();
+    let registration = register(&input.scans, &params)?;
+    println!("registered in {:.3} s", start.elapsed().as_secs_f64());
+    print_summary(&registration);
+    print_evaluation(&input.truth, &registration)?;
+    write_results(&arguments.out, &input.clouds, &registration, &params)?;
+    println!(
+        "\nwrote merged.ply, poses.txt, poses.tum, edges.csv and posegraph.g2o to {}",
+        arguments.out.display()
+    );
+    Ok(())
+}
+
+fn print_summary(registration: &Registration) {
+    println!("\nstage                   time");
+    for (stage, time) in registration.times.stages() {
+        println!("{stage:<18} {:>7.1} ms", time.as_secs_f64() * 1e3);
+    }
+    let num_scans = registration.world_from_scan.len();
+    let largest = registration.components.members().iter().map(Vec::len).max();
+    println!("\nscans              {num_scans:>7}");
+    println!(
+        "pairs scored       {:>7}",
+        registration.confidences.pairs().len()
+    );
+    println!("edges              {:>7}", registration.evidence.len());
+    println!("without a motion   {:>7}", registration.unresolved.len());
+    let half_lost = |e: &&gmpcr::EdgeEvidence| e.final_weight < 0.5 * e.initial_weight;
+    println!(
+        "mostly distrusted  {:>7}",
+        registration.evidence.iter().filter(half_lost).count()
+    );
+    println!(
+        "components         {:>7}",
+        registration.components.members().len()
+    );
+    println!("largest component  {:>7} scans", largest.unwrap_or(0));
+}
