@@ -129,9 +129,9 @@ fn mean_direction(cloud: &[nalgebra::Point3<f64>]) -> nalgebra::Vector3<f64> {
 }
 
 #[test]
-fn a_lone_scan_and_a_lone_room_are_fine() {
+fn a_lone_scan_and_several_rooms_are_fine() {
     let room = RoomParams {
-        num_rooms: 1,
+        num_rooms: 2,
         ..RoomParams::default()
     };
     let scans = simulate(&SimParams {

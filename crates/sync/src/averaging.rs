@@ -91,11 +91,11 @@ fn project_blocks(vectors: &DMatrix<f64>) -> Vec<Rotation3<f64>> {
             .for_each(|block| block.column_mut(2).neg_mut());
     }
     let scan_from_world: Vec<_> = blocks.iter().map(nearest_rotation).collect();
-    let Some(reference) = scan_from_world.first() else {
+    let Some((reference, others)) = scan_from_world.split_first() else {
         return Vec::new();
     };
-    scan_from_world
-        .iter()
-        .map(|rotation| reference * rotation.inverse())
+    let in_its_frame = others.iter().map(|rotation| reference * rotation.inverse());
+    std::iter::once(Rotation3::identity())
+        .chain(in_its_frame)
         .collect()
 }

@@ -1,0 +1,358 @@
+//! What holds for every set of scans: threads, order, frames, and input that is no good.
+
+#![allow(clippy::unwrap_used)]
+
+use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
+use gmpcr::{Descriptors, Error, Params, Registration, Scan, register, register_pair};
+
+/// A fixed number in (−1, 1) that looks random.
+fn scattered(k: usize) -> f64 {
+    let x = (k as f64 + 1.0) * 0.754_877_666_246_692_7;
+    2.0 * (x * x * 91.7).fract() - 1.0
+}
+
+/// `num_scans` views of one cloud of `num_points`: each sees the points `[first, first + seen)` of a
+/// cycle, off by up to `noise`, under a pose of its own.
+struct Views {
+    num_scans: usize,
+    seen: usize,
+    noise: f64,
+}
+
+const NUM_POINTS: usize = 400;
+const DIMENSION: usize = 8;
+
+impl Views {
+    fn pose(&self, scan: usize) -> Isometry3<f64> {
+        let vector =
+            |salt: usize| Vector3::from_fn(|axis, _| scattered(scan * 31 + axis * 7 + salt));
+        Isometry3::new(vector(1) * 4.0, vector(2) * 2.5)
+    }
+
+    fn scan(&self, scan: usize) -> Scan {
+        let first = scan * NUM_POINTS / self.num_scans;
+        let visible = (first..first + self.seen).map(|k| k % NUM_POINTS);
+        let (mut points, mut rows) = (Vec::new(), Vec::new());
+        for k in visible {
+            let place = Point3::from(Vector3::from_fn(|axis, _| 2.0 * scattered(3 * k + axis)));
+            let off = Vector3::from_fn(|axis, _| scattered(k * 5 + scan * 911 + axis));
+            points.push(self.pose(scan).inverse_transform_point(&place) + off * self.noise);
+            let entry = |d| {
+                (scattered(k * DIMENSION + d + 77) + 0.01 * scattered(k + scan * 13 + d)) as f32
+            };
+            rows.extend((0..DIMENSION).map(entry));
+        }
+        Scan::new(points, Descriptors::new(rows, DIMENSION).unwrap()).unwrap()
+    }
+
+    fn scans(&self) -> Vec<Scan> {
+        (0..self.num_scans).map(|scan| self.scan(scan)).collect()
+    }
+}
+
+const VIEWS: Views = Views {
+    num_scans: 9,
+    seen: 160,
+    noise: 0.01,
+};
+
+fn with_threads(threads: usize, scans: &[Scan], params: &Params) -> Registration {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
+    pool.install(|| register(scans, params)).unwrap()
+}
+
+fn difference(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
+    (a.to_matrix() - b.to_matrix()).norm()
+}
+
+/// Rotations do not depend on where a scan's frame has its origin or which way an edge points.
+/// Translations do, by the noise: their residuals `R_i t̂_ij + t_i − t_j` are taken at the origin.
+fn assert_same_up_to_origin(a: &Isometry3<f64>, b: &Isometry3<f64>) {
+    assert!(a.rotation.angle_to(&b.rotation) < 1e-6, "{a} and {b}");
+    assert!(
+        (a.translation.vector - b.translation.vector).norm() < 0.01,
+        "{a} and {b}"
+    );
+}
+
+#[test]
+fn views_of_one_cloud_are_registered() {
+    let registration = register(&VIEWS.scans(), &Params::default()).unwrap();
+    assert!(registration.connectivity.is_connected);
+    for scan in 0..VIEWS.num_scans {
+        let truth = VIEWS.pose(0).inv_mul(&VIEWS.pose(scan));
+        let error = registration.i_from_j(0, scan).unwrap().inv_mul(&truth);
+        assert!(
+            error.translation.vector.norm() < 0.03,
+            "scan {scan}: {error}"
+        );
+        assert!(error.rotation.angle() < 0.02, "scan {scan}: {error}");
+        assert!(registration.is_registered(scan));
+    }
+}
+
+#[test]
+fn exact_views_give_exact_poses() {
+    let views = Views {
+        noise: 0.0,
+        ..VIEWS
+    };
+    let registration = register(&views.scans(), &Params::default()).unwrap();
+    for scan in 0..views.num_scans {
+        let truth = views.pose(0).inv_mul(&views.pose(scan));
+        assert!(difference(&registration.world_from_scan[scan], &truth) < 1e-9);
+    }
+}
+
+#[test]
+fn one_thread_and_many_give_the_same_bits() {
+    let scans = VIEWS.scans();
+    for params in [Params::threedmatch(), Params::threedlomatch()] {
+        let one = with_threads(1, &scans, &params);
+        for threads in [2, 3, 8] {
+            let many = with_threads(threads, &scans, &params);
+            assert_eq!(one.world_from_scan, many.world_from_scan);
+            assert_eq!(one.confidences, many.confidences);
+            assert_eq!(one.graph, many.graph);
+            assert_eq!(one.evidence, many.evidence);
+            assert_eq!(one.synchronization, many.synchronization);
+        }
+    }
+}
+
+#[test]
+fn permuting_the_scans_permutes_the_poses() {
+    let scans = VIEWS.scans();
+    let order = [4, 0, 7, 2, 8, 1, 6, 3, 5];
+    let permuted: Vec<Scan> = order.iter().map(|&k| scans[k].clone()).collect();
+    let a = register(&scans, &Params::default()).unwrap();
+    let b = register(&permuted, &Params::default()).unwrap();
+    for (new, &old) in order.iter().enumerate() {
+        let [a, b] = [a.i_from_j(order[0], old), b.i_from_j(0, new)].map(Option::unwrap);
+        assert_same_up_to_origin(&a, &b);
+    }
+}
+
+#[test]
+fn moving_a_scan_moves_its_pose_and_keeps_the_evidence() {
+    let scans = VIEWS.scans();
+    let motion = Isometry3::new(Vector3::new(3.0, -1.0, 2.0), Vector3::new(0.5, 1.5, -1.0));
+    let mut moved = scans.clone();
+    let points = scans[3].points().iter().map(|p| motion * p).collect();
+    moved[3] = Scan::new(points, scans[3].descriptors().clone()).unwrap();
+    let [a, b] = [scans, moved].map(|scans| register(&scans, &Params::default()).unwrap());
+    for scan in 0..VIEWS.num_scans {
+        let expected = if scan == 3 {
+            a.world_from_scan[3] * motion.inverse()
+        } else {
+            a.world_from_scan[scan]
+        };
+        assert_same_up_to_origin(&b.world_from_scan[scan], &expected);
+    }
+    for (a, b) in a.evidence.iter().zip(&b.evidence) {
+        assert!((a.confidence - b.confidence).abs() < 1e-9);
+        assert_eq!((a.i, a.j, a.inlier_ratio), (b.i, b.j, b.inlier_ratio));
+    }
+}
+
+#[test]
+fn a_pair_is_the_inverse_of_the_swapped_pair() {
+    let [a, b] = [VIEWS.scan(0), VIEWS.scan(1)];
+    let forward = register_pair(&a, &b, &Params::default()).unwrap();
+    let backward = register_pair(&b, &a, &Params::default()).unwrap();
+    assert!((forward.raw_confidence / backward.raw_confidence - 1.0).abs() < 1e-9);
+    let [forward, backward] = [forward, backward].map(|pair| pair.estimate.pose.unwrap());
+    let product = forward.target_from_source * backward.target_from_source;
+    assert!(difference(&product, &Isometry3::identity()) < 1e-9);
+    let truth = VIEWS.pose(0).inv_mul(&VIEWS.pose(1));
+    assert!(difference(&forward.target_from_source, &truth) < 0.05);
+}
+
+#[test]
+fn the_pair_and_the_whole_agree() {
+    let [a, b] = [VIEWS.scan(0), VIEWS.scan(1)];
+    let pair = register_pair(&a, &b, &Params::default()).unwrap();
+    let whole = register(&[a, b], &Params::default()).unwrap();
+    let pose = pair.estimate.pose.unwrap();
+    assert_eq!(whole.graph.edges()[0].i_from_j, pose.target_from_source);
+    assert_eq!(
+        whole.confidences.pairs()[0].raw_confidence,
+        pair.raw_confidence
+    );
+    assert_eq!(whole.evidence[0].confidence, 1.0);
+    assert!(difference(&whole.world_from_scan[1], &pose.target_from_source) < 1e-9);
+}
+
+#[test]
+fn scans_of_two_places_stay_apart() {
+    // Far from each other in descriptor space as in space: nothing is compatible.
+    let mut scans = VIEWS.scans();
+    let elsewhere = |scan: &Scan| {
+        let far = |(k, _): (usize, &Point3<f64>)| {
+            Point3::from(Vector3::from_fn(|axis, _| 1e3 * scattered(k * 11 + axis)))
+        };
+        let points = scan.points().iter().enumerate().map(far).collect();
+        Scan::new(points, scan.descriptors().clone()).unwrap()
+    };
+    scans.push(elsewhere(&scans[0]));
+    let registration = register(&scans, &Params::default()).unwrap();
+    assert_eq!(
+        registration.components.members(),
+        [(0..9).collect(), vec![9]]
+    );
+    assert_eq!(registration.i_from_j(0, 9), None);
+    assert!(!registration.is_registered(9));
+    assert_eq!(registration.world_from_scan[9], Isometry3::identity());
+    assert_eq!(registration.connectivity.num_components, 2);
+}
+
+#[test]
+fn no_scans_are_an_error_and_one_scan_is_its_own_frame() {
+    assert!(matches!(
+        register(&[], &Params::default()),
+        Err(Error::NoScans)
+    ));
+    let registration = register(&[VIEWS.scan(0)], &Params::default()).unwrap();
+    assert_eq!(registration.world_from_scan, [Isometry3::identity()]);
+    assert!(registration.evidence.is_empty() && !registration.is_registered(0));
+}
+
+#[test]
+fn scans_without_points_or_with_very_few_stay_alone() {
+    let empty =
+        |dimension| Scan::new(vec![], Descriptors::new(vec![], dimension).unwrap()).unwrap();
+    let tiny = |len: usize| {
+        let points = VIEWS.scan(0).points()[..len].to_vec();
+        let rows = VIEWS.scan(0).descriptors().values()[..len * DIMENSION].to_vec();
+        Scan::new(points, Descriptors::new(rows, DIMENSION).unwrap()).unwrap()
+    };
+    let mut scans = VIEWS.scans();
+    scans.extend([empty(DIMENSION), tiny(1), tiny(2), empty(1)]);
+    let registration = register(&scans, &Params::default()).unwrap();
+    for scan in 0..VIEWS.num_scans {
+        assert!(registration.is_registered(scan));
+    }
+    for scan in VIEWS.num_scans..scans.len() {
+        assert!(!registration.is_registered(scan), "scan {scan}");
+    }
+    let all_empty = register(&[empty(3), empty(3)], &Params::default()).unwrap();
+    assert_eq!(all_empty.components.members().len(), 2);
+}
+
+#[test]
+fn fewer_points_than_samples_are_all_used() {
+    let views = Views {
+        num_scans: 3,
+        seen: 150,
+        noise: 0.0,
+    };
+    let mut params = Params::default();
+    params.correspondence.num_samples = 10_000;
+    let registration = register(&views.scans(), &params).unwrap();
+    assert!((0..3).all(|scan| registration.is_registered(scan)));
+}
+
+#[test]
+fn more_neighbors_than_scans_select_every_pair_of_positive_confidence() {
+    let mut params = Params::default();
+    params.posegraph.neighbors = 1000;
+    let registration = register(&VIEWS.scans(), &params).unwrap();
+    let positive = registration
+        .confidences
+        .pairs()
+        .iter()
+        .filter(|pair| pair.raw_confidence > 0.0);
+    assert_eq!(
+        registration.evidence.len() + registration.unresolved.len(),
+        positive.count()
+    );
+}
+
+#[test]
+fn equal_points_are_reported_as_unresolved() {
+    let rows: Vec<f32> = (0..100 * DIMENSION).map(|k| scattered(k) as f32).collect();
+    let scan = Scan::new(
+        vec![Point3::new(1.0, 2.0, 3.0); 100],
+        Descriptors::new(rows, DIMENSION).unwrap(),
+    );
+    let scan = scan.unwrap();
+    let registration = register(&[scan.clone(), scan], &Params::default()).unwrap();
+    assert!(registration.evidence.is_empty());
+    assert_eq!(registration.unresolved.len(), 1);
+    assert_eq!(registration.unresolved[0].cliques_seen, 1);
+    assert_eq!(registration.components.members().len(), 2);
+}
+
+#[test]
+fn equal_descriptors_match_too_little_for_an_edge() {
+    let mut scans = VIEWS.scans();
+    for scan in &mut scans {
+        let rows = Descriptors::new(vec![0.5; scan.len() * DIMENSION], DIMENSION).unwrap();
+        *scan = Scan::new(scan.points().to_vec(), rows).unwrap();
+    }
+    let registration = register(&scans, &Params::default()).unwrap();
+    assert!(registration.evidence.is_empty() && registration.unresolved.is_empty());
+    assert_eq!(registration.components.members().len(), scans.len());
+}
+
+#[test]
+fn descriptors_of_different_dimension_are_an_error_that_names_the_scan() {
+    let mut scans = VIEWS.scans();
+    let rows = vec![0.0; scans[4].len() * 33];
+    scans[4] = Scan::new(
+        scans[4].points().to_vec(),
+        Descriptors::new(rows, 33).unwrap(),
+    )
+    .unwrap();
+    let message = register(&scans, &Params::default())
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        message,
+        "scan 4 has descriptors of dimension 33, but scan 0 of dimension 8"
+    );
+    let message = register_pair(&scans[3], &scans[4], &Params::default())
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        message,
+        "scan 1 has descriptors of dimension 33, but scan 0 of dimension 8"
+    );
+}
+
+#[test]
+fn parameters_out_of_range_are_an_error() {
+    let mut params = Params::default();
+    params.compatibility.tolerance = -0.1;
+    let message = register(&VIEWS.scans(), &params).unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "parameter compatibility.tolerance is -0.1: it must be finite and positive"
+    );
+    assert!(register_pair(&VIEWS.scan(0), &VIEWS.scan(1), &params).is_err());
+}
+
+#[test]
+fn extreme_coordinates_register_or_stay_apart_but_never_fail() {
+    for scale in [1e-150, 1e-9, 1e9, 1e150, 1e300] {
+        let mut scans = VIEWS.scans();
+        for scan in &mut scans {
+            let points = scan.points().iter().map(|p| p * scale).collect();
+            *scan = Scan::new(points, scan.descriptors().clone()).unwrap();
+        }
+        for params in [
+            Params::default(),
+            Params::default().with_tolerance(0.1 * scale),
+        ] {
+            let registration = register(&scans, &params).unwrap();
+            let is_finite = |pose: &Isometry3<f64>| pose.to_matrix().iter().all(|x| x.is_finite());
+            assert!(
+                registration.world_from_scan.iter().all(is_finite),
+                "scale {scale}"
+            );
+        }
+    }
+}

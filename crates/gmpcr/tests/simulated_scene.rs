@@ -1,0 +1,44 @@
+//! Simulated depth-camera scans of furnished rooms, from raw clouds to poses against the truth.
+#![cfg(feature = "features")]
+#![allow(clippy::unwrap_used)]
+
+use gmpcr::features::FeatureParams;
+use gmpcr::{Params, describe_clouds, register};
+use gmpcr_eval::{PairErrors, WorldPoses};
+use gmpcr_sim::{SimParams, overlap_matrix, simulate};
+
+#[test]
+fn overlapping_scans_of_furnished_rooms_are_registered() {
+    let (mut num_pairs, mut num_registered) = (0, 0);
+    for seed in [1, 2, 7] {
+        let params = SimParams {
+            seed,
+            num_scans: 14,
+            ..SimParams::default()
+        };
+        let scans = simulate(&params).unwrap();
+        let described = describe_clouds(&scans.clouds, &FeatureParams::default()).unwrap();
+        let registration = register(&described, &Params::threedmatch()).unwrap();
+
+        let poses = registration
+            .world_from_scan
+            .iter()
+            .copied()
+            .map(Some)
+            .collect();
+        let poses = WorldPoses::new(poses, registration.components.labels().to_vec()).unwrap();
+        let errors = PairErrors::of_all(&scans.world_from_scan, &poses).unwrap();
+        let overlap = overlap_matrix(&scans, 0.0375);
+        let is_match = |i, j| overlap[(i, j)] > 0.3;
+        for pair in errors.pairs.iter().filter(|pair| is_match(pair.i, pair.j)) {
+            let is_registered = |error: gmpcr_eval::PoseError| {
+                error.rotation_degrees() < 15.0 && error.translation < 0.3
+            };
+            num_pairs += 1;
+            num_registered += usize::from(pair.error.is_some_and(is_registered));
+        }
+    }
+    let recall = num_registered as f64 / num_pairs as f64;
+    assert!(num_pairs > 60, "{num_pairs} overlapping pairs");
+    assert!(recall > 0.85, "{num_registered} of {num_pairs}");
+}

@@ -1,0 +1,370 @@
+//! What holds for every pose graph.
+
+#![allow(clippy::unwrap_used)]
+
+use gmpcr_posegraph::{PoseEdge, PoseGraph};
+use gmpcr_sync::{
+    History, SyncParams, Synchronization, average_rotations, solve_translations, synchronize,
+};
+use nalgebra::{DMatrix, Isometry3, Rotation3, Vector3};
+use proptest::prelude::*;
+
+const SCHEMES: [fn() -> History; 3] = [History::default, || History::Sghr, || History::Memoryless];
+
+fn params(history: History) -> SyncParams {
+    SyncParams {
+        history,
+        ..SyncParams::default()
+    }
+}
+
+fn motion() -> impl Strategy<Value = Isometry3<f64>> {
+    let vector = |range: f64| prop::array::uniform3(-range..range).prop_map(Vector3::from);
+    (vector(5.0), vector(1.8)).prop_map(|(t, r)| Isometry3::new(t, r))
+}
+
+/// True poses and a connected graph of edges (j, i, weight), `j > i` first in a tree, then at
+/// random.
+fn scene() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<(usize, usize, f64)>)> {
+    (2..12usize).prop_flat_map(|n| {
+        let tree = prop::collection::vec((any::<prop::sample::Index>(), 0.1..1.0f64), n - 1);
+        let extra = prop::collection::vec((0..n, 0..n, 0.1..1.0f64), 0..2 * n);
+        let edges = (tree, extra).prop_map(|(tree, extra)| {
+            let tree = tree.into_iter().enumerate();
+            let mut edges: Vec<_> = tree.map(|(k, (i, w))| (k + 1, i.index(k + 1), w)).collect();
+            edges.extend(extra.into_iter().filter(|(i, j, _)| i != j));
+            edges
+        });
+        (prop::collection::vec(motion(), n), edges)
+    })
+}
+
+fn exact_edge(poses: &[Isometry3<f64>], &(i, j, weight): &(usize, usize, f64)) -> PoseEdge {
+    PoseEdge {
+        i,
+        j,
+        i_from_j: poses[i].inv_mul(&poses[j]),
+        weight,
+    }
+}
+
+fn exact(poses: &[Isometry3<f64>], edges: &[(usize, usize, f64)]) -> PoseGraph {
+    let edges = edges.iter().map(|edge| exact_edge(poses, edge)).collect();
+    PoseGraph::new(poses.len(), edges).unwrap()
+}
+
+/// A graph whose measurements are off by up to `noise`.
+fn noisy(poses: &[Isometry3<f64>], edges: &[(usize, usize, f64)], noise: f64) -> PoseGraph {
+    let measured = edges.iter().enumerate().map(|(k, edge)| {
+        let wave = |f: f64| (k as f64 * f).sin() * noise;
+        let turn = Vector3::new(wave(1.1), wave(2.3), wave(3.7));
+        let shift = Vector3::new(wave(0.7), wave(1.9), wave(2.9));
+        let mut edge = exact_edge(poses, edge);
+        edge.i_from_j *= Isometry3::new(shift, turn);
+        edge
+    });
+    PoseGraph::new(poses.len(), measured.collect()).unwrap()
+}
+
+fn difference(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
+    (a.to_matrix() - b.to_matrix()).norm()
+}
+
+/// Largest difference of the poses to the truth in the frame of scan 0.
+fn error(result: &Synchronization, poses: &[Isometry3<f64>]) -> f64 {
+    let expected = poses.iter().map(|pose| poses[0].inv_mul(pose));
+    let pairs = result.world_from_scan.iter().zip(expected);
+    pairs
+        .map(|(pose, expected)| difference(pose, &expected))
+        .fold(0.0, f64::max)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn noise_free_measurements_give_the_exact_poses((poses, edges) in scene()) {
+        for history in SCHEMES {
+            let result = synchronize(&exact(&poses, &edges), &params(history()));
+            prop_assert!(error(&result, &poses) < 1e-8, "{}", error(&result, &poses));
+            for edge in &result.edges {
+                prop_assert!(edge.rotation_residual.unwrap() < 1e-8);
+                prop_assert!((edge.final_weight / edge.initial_weight - 1.0).abs() < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn reversing_edges_keeps_the_rotations((poses, edges) in scene(), reversed in any::<u32>()) {
+        let graph = noisy(&poses, &edges, 0.05);
+        let flip = |(k, edge): (usize, &PoseEdge)| match reversed >> (k % 32) & 1 {
+            1 => PoseEdge { i: edge.j, j: edge.i, i_from_j: edge.i_from_j.inverse(), weight: edge.weight },
+            _ => *edge,
+        };
+        let flipped = graph.edges().iter().enumerate().map(flip).collect();
+        let flipped = PoseGraph::new(graph.num_scans(), flipped).unwrap();
+        let [a, b] = [&graph, &flipped].map(|graph| synchronize(graph, &SyncParams::default()));
+        for (a, b) in a.world_from_scan.iter().zip(&b.world_from_scan) {
+            prop_assert!(a.rotation.angle_to(&b.rotation) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn permuting_the_scans_permutes_the_poses((poses, edges) in scene(), seed in any::<u32>()) {
+        let graph = noisy(&poses, &edges, 0.05);
+        let n = poses.len();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by_key(|&k| (k as u32).wrapping_mul(seed | 1).rotate_left(7));
+        let renamed = graph.edges().iter().rev().map(|edge| PoseEdge { i: order[edge.i], j: order[edge.j], ..*edge });
+        let renamed = PoseGraph::new(n, renamed.collect()).unwrap();
+        let [a, b] = [&graph, &renamed].map(|graph| synchronize(graph, &SyncParams::default()).world_from_scan);
+        let new_zero = a[order.iter().position(|&k| k == 0).unwrap()];
+        for (k, &renamed) in order.iter().enumerate() {
+            prop_assert!(difference(&new_zero.inv_mul(&a[k]), &b[renamed]) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn the_scale_of_weights_and_lengths_does_not_matter((poses, edges) in scene(), scale in 1e-6..1e6f64) {
+        let graph = noisy(&poses, &edges, 0.05);
+        let scaled = |edge: &PoseEdge| {
+            let mut edge = PoseEdge { weight: edge.weight * scale, ..*edge };
+            edge.i_from_j.translation.vector *= scale;
+            edge
+        };
+        let edges = graph.edges().iter().map(scaled).collect();
+        let scaled = PoseGraph::new(poses.len(), edges).unwrap();
+        let [a, b] = [&graph, &scaled].map(|graph| synchronize(graph, &SyncParams::default()));
+        for (a, b) in a.world_from_scan.iter().zip(&b.world_from_scan) {
+            prop_assert!(a.rotation.angle_to(&b.rotation) < 1e-6);
+            let shift = a.translation.vector - b.translation.vector / scale;
+            prop_assert!(shift.norm() < 1e-5, "{shift}");
+        }
+    }
+
+    #[test]
+    fn translations_are_those_of_the_dense_normal_equations((poses, edges) in scene()) {
+        let graph = noisy(&poses, &edges, 0.3);
+        let rotations: Vec<_> = poses.iter().map(|pose| pose.rotation.to_rotation_matrix()).collect();
+        let weights: Vec<f64> = graph.edges().iter().map(|edge| edge.weight).collect();
+        let found = solve_translations(&graph, &rotations, &weights);
+        let mut design = DMatrix::zeros(edges.len(), poses.len() - 1);
+        let mut right = DMatrix::zeros(edges.len(), 3);
+        for (k, edge) in graph.edges().iter().enumerate() {
+            let root = edge.weight.sqrt();
+            let offset = rotations[edge.i] * edge.i_from_j.translation.vector * root;
+            right.set_row(k, &offset.transpose());
+            for (node, sign) in [(edge.i, -1.0), (edge.j, 1.0)] {
+                if node > 0 {
+                    design[(k, node - 1)] += sign * root;
+                }
+            }
+        }
+        let expected = design.svd(true, true).solve(&right, 1e-12).unwrap();
+        for node in 1..poses.len() {
+            prop_assert!((found[node].transpose() - expected.row(node - 1)).norm() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn the_spectral_rotations_minimise_the_relaxed_objective((poses, edges) in scene()) {
+        // With small noise the relaxation is close to tight: no rotations nearby are much better.
+        let graph = noisy(&poses, &edges, 1e-3);
+        let weights: Vec<f64> = graph.edges().iter().map(|edge| edge.weight).collect();
+        let cost = |rotations: &[Rotation3<f64>]| -> f64 {
+            graph.edges().iter().map(|edge| {
+                let measured = edge.i_from_j.rotation.to_rotation_matrix();
+                let estimated = rotations[edge.i].inverse() * rotations[edge.j];
+                edge.weight * (measured.matrix() - estimated.matrix()).norm_squared()
+            }).sum()
+        };
+        let averaged = average_rotations(&graph, &weights);
+        let truth: Vec<_> = poses.iter().map(|pose| pose.rotation.to_rotation_matrix()).collect();
+        prop_assert!(cost(&averaged.world_from_scan) <= cost(&truth) * 1.01 + 1e-12);
+    }
+}
+
+/// A ring with chords: `n` scans, three edges each.
+fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<(usize, usize, f64)>) {
+    let pose = |k: usize| {
+        let angle = k as f64 / n as f64 * std::f64::consts::TAU;
+        Isometry3::new(
+            Vector3::new(angle.cos(), angle.sin(), 0.1 * angle) * 10.0,
+            Vector3::z() * angle,
+        )
+    };
+    let edges = (0..n).flat_map(|i| [1, 2, 5].map(|step| (i, (i + step) % n, 1.0)));
+    ((0..n).map(pose).collect(), edges.collect())
+}
+
+#[test]
+fn outliers_lose_their_weight_and_the_rest_keeps_it() {
+    let (poses, edges) = ring(40);
+    for history in SCHEMES {
+        let mut wrong = exact(&poses, &edges).edges().to_vec();
+        for k in [3, 30, 57, 88, 101] {
+            wrong[k].i_from_j *= Isometry3::new(
+                Vector3::new(3.0, -2.0, 1.0),
+                Vector3::new(1.0, 0.3 * (k % 7) as f64, 0.5),
+            );
+        }
+        let params = SyncParams {
+            iterations: 40,
+            ..params(history())
+        };
+        let result = synchronize(&PoseGraph::new(40, wrong).unwrap(), &params);
+        assert!(
+            error(&result, &poses) < 0.05,
+            "{:?}: {}",
+            history(),
+            error(&result, &poses)
+        );
+        for (k, edge) in result.edges.iter().enumerate() {
+            let is_wrong = [3, 30, 57, 88, 101].contains(&k);
+            assert_eq!(
+                edge.final_weight < 0.1,
+                is_wrong,
+                "edge {k}: {}",
+                edge.final_weight
+            );
+        }
+    }
+}
+
+#[test]
+fn components_are_synchronised_each_in_its_own_frame() {
+    let (poses, edges) = ring(12);
+    let mut all = exact(&poses, &edges).edges().to_vec();
+    let shifted = all.clone().into_iter().map(|edge| PoseEdge {
+        i: edge.i + 12,
+        j: edge.j + 12,
+        ..edge
+    });
+    all.extend(shifted.collect::<Vec<_>>());
+    // An edge without weight joins nothing.
+    all.push(PoseEdge {
+        i: 0,
+        j: 12,
+        i_from_j: Isometry3::identity(),
+        weight: 0.0,
+    });
+    let result = synchronize(&PoseGraph::new(25, all).unwrap(), &SyncParams::default());
+    let members = result.components.members();
+    assert_eq!(members, [(0..12).collect(), (12..24).collect(), vec![24]]);
+    for k in 0..12 {
+        assert!(difference(&result.world_from_scan[k], &poses[0].inv_mul(&poses[k])) < 1e-10);
+        assert!(difference(&result.world_from_scan[k + 12], &result.world_from_scan[k]) < 1e-10);
+    }
+    let joining = result.edges.last().unwrap();
+    assert_eq!(
+        (joining.final_weight, joining.rotation_residual),
+        (0.0, None)
+    );
+    assert_eq!(result.reports.len(), 3);
+}
+
+#[test]
+fn graphs_without_edges_give_identities() {
+    for n in 0..3 {
+        let result = synchronize(&PoseGraph::new(n, vec![]).unwrap(), &SyncParams::default());
+        assert_eq!(result.world_from_scan, vec![Isometry3::identity(); n]);
+        assert_eq!(result.components.members().len(), n);
+    }
+}
+
+#[test]
+fn contradictory_and_repeated_edges_give_finite_poses() {
+    let edge = |i, j, turn: f64| PoseEdge {
+        i,
+        j,
+        i_from_j: Isometry3::new(Vector3::x() * turn, Vector3::z() * turn),
+        weight: 1.0,
+    };
+    let graph = PoseGraph::new(
+        3,
+        vec![
+            edge(0, 1, 0.0),
+            edge(0, 1, 3.1),
+            edge(1, 0, 1.5),
+            edge(1, 2, 0.2),
+            edge(1, 2, -3.0),
+        ],
+    );
+    let graph = graph.unwrap();
+    for history in SCHEMES {
+        for iterations in [0, 1, 10, 200] {
+            let params = SyncParams {
+                iterations,
+                ..params(history())
+            };
+            let result = synchronize(&graph, &params);
+            let is_finite = |pose: &Isometry3<f64>| pose.to_matrix().iter().all(|x| x.is_finite());
+            assert!(result.world_from_scan.iter().all(is_finite));
+        }
+    }
+}
+
+#[test]
+fn extreme_weights_and_lengths_give_finite_poses() {
+    let (poses, edges) = ring(9);
+    for (weight, length) in [(1e-300, 1.0), (1e300, 1.0), (1.0, 1e150), (1.0, 1e-150)] {
+        let scaled = exact(&poses, &edges)
+            .edges()
+            .iter()
+            .map(|edge| {
+                let mut edge = PoseEdge { weight, ..*edge };
+                edge.i_from_j.translation.vector *= length;
+                edge
+            })
+            .collect();
+        let result = synchronize(&PoseGraph::new(9, scaled).unwrap(), &SyncParams::default());
+        for (pose, truth) in result.world_from_scan.iter().zip(&poses) {
+            let expected = poses[0].inv_mul(truth);
+            assert!(
+                pose.rotation.angle_to(&expected.rotation) < 1e-8,
+                "weight {weight}, length {length}"
+            );
+            let shift = pose.translation.vector / length - expected.translation.vector;
+            assert!(
+                shift.norm() < 1e-6,
+                "weight {weight}, length {length}: {shift}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_weak_bridge_still_places_both_sides() {
+    let (poses, edges) = ring(8);
+    let mut all = exact(&poses, &edges).edges().to_vec();
+    all.extend(exact(&poses, &edges).edges().iter().map(|edge| PoseEdge {
+        i: edge.i + 8,
+        j: edge.j + 8,
+        ..*edge
+    }));
+    all.push(PoseEdge {
+        i: 0,
+        j: 8,
+        i_from_j: Isometry3::translation(0.0, 0.0, 7.0),
+        weight: 1e-9,
+    });
+    let result = synchronize(&PoseGraph::new(16, all).unwrap(), &SyncParams::default());
+    for k in 0..8 {
+        let expected = Isometry3::translation(0.0, 0.0, 7.0) * poses[0].inv_mul(&poses[k]);
+        assert!(difference(&result.world_from_scan[k + 8], &expected) < 1e-4);
+    }
+}
+
+#[test]
+fn a_thousand_poses_are_exact() {
+    let (poses, edges) = ring(1000);
+    let result = synchronize(
+        &exact(&poses, &edges),
+        &SyncParams {
+            iterations: 2,
+            ..SyncParams::default()
+        },
+    );
+    assert!(error(&result, &poses) < 1e-6, "{}", error(&result, &poses));
+    assert!(result.reports[0].eigen_residual < 1e-11);
+}
