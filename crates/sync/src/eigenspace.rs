@@ -1,7 +1,7 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Mat, MatRef, Par};
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::laplacian::ConnectionLaplacian;
 
@@ -190,15 +190,16 @@ fn scattered(row: usize, column: usize) -> f64 {
     2.0 * (phase * phase).fract() - 1.0
 }
 
-/// Gram–Schmidt, twice. A column that depends on the others is replaced by a scattered one.
+/// Gram–Schmidt, twice. A column that depends on the others, or overflowed, is replaced by a
+/// scattered one.
 fn orthonormalize(basis: &mut DMatrix<f64>) {
     for column in 0..basis.ncols() {
         let original = basis.column(column).norm();
         project_out_previous(basis, column);
-        if !(basis.column(column).norm() > 1e-14 * original) || !original.is_finite() {
-            let rows = basis.nrows();
-            let fresh = DMatrix::from_fn(rows, 1, |row, _| scattered(row, column + 7));
-            basis.set_column(column, &fresh.column(0));
+        let is_independent = basis.column(column).norm() > 1e-14 * original;
+        if !(is_independent && original.is_finite()) {
+            let fresh = DVector::from_fn(basis.nrows(), |row, _| scattered(row, column + 7));
+            basis.set_column(column, &fresh);
             project_out_previous(basis, column);
         }
         basis.column_mut(column).normalize_mut();

@@ -9,6 +9,9 @@ use gmpcr_sync::{
 use nalgebra::{DMatrix, Isometry3, Rotation3, Vector3};
 use proptest::prelude::*;
 
+/// Two scans and the weight of the edge between them.
+type Link = (usize, usize, f64);
+
 const SCHEMES: [fn() -> History; 3] = [History::default, || History::Sghr, || History::Memoryless];
 
 fn params(history: History) -> SyncParams {
@@ -25,7 +28,7 @@ fn motion() -> impl Strategy<Value = Isometry3<f64>> {
 
 /// True poses and a connected graph of edges (j, i, weight), `j > i` first in a tree, then at
 /// random.
-fn scene() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<(usize, usize, f64)>)> {
+fn scene() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<Link>)> {
     (2..12usize).prop_flat_map(|n| {
         let tree = prop::collection::vec((any::<prop::sample::Index>(), 0.1..1.0f64), n - 1);
         let extra = prop::collection::vec((0..n, 0..n, 0.1..1.0f64), 0..2 * n);
@@ -39,7 +42,7 @@ fn scene() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<(usize, usize, f64
     })
 }
 
-fn exact_edge(poses: &[Isometry3<f64>], &(i, j, weight): &(usize, usize, f64)) -> PoseEdge {
+fn exact_edge(poses: &[Isometry3<f64>], &(i, j, weight): &Link) -> PoseEdge {
     PoseEdge {
         i,
         j,
@@ -48,13 +51,13 @@ fn exact_edge(poses: &[Isometry3<f64>], &(i, j, weight): &(usize, usize, f64)) -
     }
 }
 
-fn exact(poses: &[Isometry3<f64>], edges: &[(usize, usize, f64)]) -> PoseGraph {
+fn exact(poses: &[Isometry3<f64>], edges: &[Link]) -> PoseGraph {
     let edges = edges.iter().map(|edge| exact_edge(poses, edge)).collect();
     PoseGraph::new(poses.len(), edges).unwrap()
 }
 
 /// A graph whose measurements are off by up to `noise`.
-fn noisy(poses: &[Isometry3<f64>], edges: &[(usize, usize, f64)], noise: f64) -> PoseGraph {
+fn noisy(poses: &[Isometry3<f64>], edges: &[Link], noise: f64) -> PoseGraph {
     let measured = edges.iter().enumerate().map(|(k, edge)| {
         let wave = |f: f64| (k as f64 * f).sin() * noise;
         let turn = Vector3::new(wave(1.1), wave(2.3), wave(3.7));
@@ -161,8 +164,8 @@ proptest! {
             }
         }
         let expected = design.svd(true, true).solve(&right, 1e-12).unwrap();
-        for node in 1..poses.len() {
-            prop_assert!((found[node].transpose() - expected.row(node - 1)).norm() < 1e-8);
+        for (node, expected) in expected.row_iter().enumerate() {
+            prop_assert!((found[node + 1].transpose() - expected).norm() < 1e-8);
         }
     }
 
@@ -185,7 +188,7 @@ proptest! {
 }
 
 /// A ring with chords: `n` scans, three edges each.
-fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<(usize, usize, f64)>) {
+fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<Link>) {
     let pose = |k: usize| {
         let angle = k as f64 / n as f64 * std::f64::consts::TAU;
         Isometry3::new(
