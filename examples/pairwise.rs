@@ -8,6 +8,7 @@
 
 use std::error::Error;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::Parser;
 use gmpcr_cliques::{CliqueParams, Compatibility, estimate_pose};
@@ -25,12 +26,28 @@ struct Arguments {
     #[arg(num_args = 2)]
     files: Vec<PathBuf>,
     /// Voxel size in the unit of the scans.
-    #[arg(long, default_value_t = 0.05)]
+    #[arg(long, default_value_t = 0.05, value_parser = positive, allow_hyphen_values = true)]
     voxel: f64,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments = Arguments::parse();
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a positive number is needed".into()),
+    }
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let clouds = read_or_simulate(&arguments.files)?;
     let tolerance = 2.0 * arguments.voxel;
     let sampling = CorrespondenceParams::default();

@@ -36,7 +36,7 @@ struct Arguments {
     descriptors: Option<PathBuf>,
     /// Voxel size in the unit of the scans. Radii of normals and FPFH are 2 and 5 voxels, and the
     /// tolerances of compatibility and inliers 2.
-    #[arg(long, default_value_t = 0.05)]
+    #[arg(long, default_value_t = 0.05, value_parser = positive, allow_hyphen_values = true)]
     voxel: f64,
     /// Parameters of the paper for one of its datasets.
     #[arg(long, value_enum, default_value_t = Preset::Threedmatch)]
@@ -68,6 +68,13 @@ impl Preset {
             Self::Scannet => Params::scannet(),
             Self::Eth => Params::eth(),
         }
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a positive number is needed".into()),
     }
 }
 

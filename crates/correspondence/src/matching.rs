@@ -1,5 +1,5 @@
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, MatMut, MatRef, Par};
 use gmpcr_geometry::{PairsError, PointPairs};
 
 use crate::descriptors::squared_distance;
@@ -109,10 +109,12 @@ pub fn match_descriptors(a: &Descriptors, b: &Descriptors) -> Result<Vec<Match>,
     Ok(matches)
 }
 
-/// All squared distances in `f32` up to a known error, as columns of one entry per row of `a`.
+/// All squared distances in `f32` up to a known error.
 struct ApproximateDistances {
-    /// Column `j` holds the distances of `b_j` to all of `a`.
-    distances: Mat<f32>,
+    /// Column by column, that is per row of `b`: its distances to all rows of `a`.
+    columns: Vec<f32>,
+    /// Rows of `a`.
+    num_rows: usize,
     /// Two entries that differ by more than this are in the order of the exact distances.
     resolution: f32,
 }
@@ -120,9 +122,9 @@ struct ApproximateDistances {
 impl ApproximateDistances {
     fn new(a: &Descriptors, b: &Descriptors) -> Self {
         let (a_norms, b_norms) = (squared_norms(a), squared_norms(b));
-        let mut distances = Mat::<f32>::zeros(a.len(), b.len());
+        let mut columns = vec![0.0; a.len() * b.len()];
+        let product = MatMut::from_column_major_slice_mut(&mut columns, a.len(), b.len());
         let (a_rows, b_rows) = (as_matrix(a), as_matrix(b));
-        let product = distances.as_mut();
         matmul(
             product,
             Accum::Replace,
@@ -131,75 +133,118 @@ impl ApproximateDistances {
             -2.0,
             Par::Seq,
         );
-        for (column, &b_norm) in distances.col_iter_mut().zip(&b_norms) {
+        for (column, &b_norm) in columns.chunks_exact_mut(a.len()).zip(&b_norms) {
             for (entry, &a_norm) in column.iter_mut().zip(&a_norms) {
                 *entry += a_norm + b_norm;
             }
         }
         Self {
-            distances,
+            columns,
+            num_rows: a.len(),
             resolution: resolution(a.dimension(), &a_norms, &b_norms),
         }
     }
 
+    fn columns(&self) -> impl ExactSizeIterator<Item = &[f32]> {
+        self.columns.chunks_exact(self.num_rows)
+    }
+
     /// The row of `a` that is nearest to each row of `b`, by the `exact` squared distance.
     fn nearest_in_a(&self, exact: impl Fn(usize, usize) -> f64) -> Vec<usize> {
-        let columns = self.distances.col_iter().enumerate();
-        columns
-            .map(|(j, column)| {
-                let smallest = column.iter().copied().fold(f32::INFINITY, f32::min);
-                let candidates = (0..column.nrows()).filter(|&i| self.may_be(column[i], smallest));
-                nearest(candidates, |i| exact(i, j))
-            })
-            .collect()
+        let mut nearest = vec![Nearest::NONE; self.columns().len()];
+        for (j, column) in self.columns().enumerate() {
+            let limits = vec![smallest(column) + self.resolution; column.len()];
+            for_each_within(column, &limits, |i| nearest[j].compare(i, |i| exact(i, j)));
+        }
+        nearest.iter().map(|nearest| nearest.index).collect()
     }
 
     /// The row of `b` that is nearest to each row of `a`, by the `exact` squared distance.
     fn nearest_in_b(&self, exact: impl Fn(usize, usize) -> f64) -> Vec<usize> {
-        let mut smallest = vec![f32::INFINITY; self.distances.nrows()];
-        for column in self.distances.col_iter() {
-            for (smallest, &entry) in smallest.iter_mut().zip(column.iter()) {
-                *smallest = smallest.min(entry);
+        let mut limits = vec![f32::INFINITY; self.num_rows];
+        for column in self.columns() {
+            for (limit, &entry) in limits.iter_mut().zip(column) {
+                *limit = lesser(*limit, entry);
             }
         }
-        let mut candidates = vec![Vec::new(); self.distances.nrows()];
-        for (j, column) in self.distances.col_iter().enumerate() {
-            for (i, &entry) in column.iter().enumerate() {
-                if self.may_be(entry, smallest[i]) {
-                    candidates[i].push(j);
-                }
-            }
+        limits
+            .iter_mut()
+            .for_each(|limit| *limit += self.resolution);
+        let mut nearest = vec![Nearest::NONE; self.num_rows];
+        for (j, column) in self.columns().enumerate() {
+            for_each_within(column, &limits, |i| nearest[i].compare(j, |j| exact(i, j)));
         }
-        let rows = candidates.into_iter().enumerate();
-        rows.map(|(i, candidates)| nearest(candidates, |j| exact(i, j)))
-            .collect()
-    }
-
-    /// Whether an entry may be the smallest in exact arithmetic. True where overflow made a NaN.
-    fn may_be(&self, entry: f32, smallest: f32) -> bool {
-        let is_greater = entry > smallest + self.resolution;
-        !is_greater
+        nearest.iter().map(|nearest| nearest.index).collect()
     }
 }
 
-/// The candidate of smallest exact distance, the first of equals. No distance is computed for a
-/// single candidate.
-fn nearest(candidates: impl IntoIterator<Item = usize>, exact: impl Fn(usize) -> f64) -> usize {
-    let mut candidates = candidates.into_iter();
-    let first = candidates
-        .next()
-        .expect("the smallest entry is a candidate");
-    let Some(second) = candidates.next() else {
-        return first;
+/// The best candidate so far. A single candidate needs no distance.
+#[derive(Clone, Copy)]
+struct Nearest {
+    index: usize,
+    /// Exact distance, once there is a second candidate to compare with.
+    distance: Option<f64>,
+}
+
+impl Nearest {
+    /// Every row and column has a candidate: its smallest entry, or any where overflow made a NaN.
+    const NONE: Self = Self {
+        index: usize::MAX,
+        distance: None,
     };
-    let mut best = (exact(first), first);
-    for candidate in std::iter::once(second).chain(candidates) {
+
+    /// Takes a candidate into account; of equal ones the first stays.
+    fn compare(&mut self, candidate: usize, exact: impl Fn(usize) -> f64) {
+        if self.index == Self::NONE.index {
+            self.index = candidate;
+            return;
+        }
+        let best = self.distance.unwrap_or_else(|| exact(self.index));
         let distance = exact(candidate);
-        if distance < best.0 {
-            best = (distance, candidate);
+        self.distance = Some(best.min(distance));
+        if distance < best {
+            self.index = candidate;
         }
     }
-    best.1
+}
+
+/// Entries that are looked at together, as vector registers.
+const BLOCK: usize = 16;
+
+/// The smallest entry; NaN does not count.
+fn smallest(entries: &[f32]) -> f32 {
+    let mut smallest = [f32::INFINITY; BLOCK];
+    for block in entries.chunks(BLOCK) {
+        for (smallest, &entry) in smallest.iter_mut().zip(block) {
+            *smallest = lesser(*smallest, entry);
+        }
+    }
+    smallest.into_iter().fold(f32::INFINITY, lesser)
+}
+
+/// `f32::min` in the form of the machine's instruction.
+fn lesser(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
+}
+
+/// Visits the positions of the entries that do not exceed their limits, NaN included.
+fn for_each_within(entries: &[f32], limits: &[f32], mut visit: impl FnMut(usize)) {
+    let exceeds = |(entry, limit): (&f32, &f32)| entry > limit;
+    let blocks = entries.chunks(BLOCK).zip(limits.chunks(BLOCK));
+    for (k, (entries, limits)) in blocks.enumerate() {
+        let num_exceeding: usize = entries
+            .iter()
+            .zip(limits)
+            .map(|pair| usize::from(exceeds(pair)))
+            .sum();
+        if num_exceeding < entries.len() {
+            for (offset, pair) in entries.iter().zip(limits).enumerate() {
+                if !exceeds(pair) {
+                    visit(k * BLOCK + offset);
+                }
+            }
+        }
+    }
 }
 
 /// Twice the largest rounding error of an entry.

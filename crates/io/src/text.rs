@@ -9,7 +9,9 @@ use crate::Error;
 /// The whole file as text.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     let bytes = fs::read(path).map_err(Error::io("read", path))?;
-    String::from_utf8(bytes).map_err(|error| Error::parser(path, None, "not a text file", error))
+    // The error's own copy of the bytes would fill screens where it is printed for debugging.
+    String::from_utf8(bytes)
+        .map_err(|error| Error::parser(path, None, "not a text file", error.utf8_error()))
 }
 
 /// The lines that say something: neither blank nor a comment, which starts with `#`.
@@ -85,6 +87,15 @@ mod tests {
 
     fn only_line(text: &str) -> Line<'_> {
         lines(Path::new("file"), text).next().unwrap()
+    }
+
+    #[test]
+    fn the_error_of_a_large_binary_file_is_short() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("large.g2o");
+        fs::write(&path, [0xff; 100_000]).unwrap();
+        let error = read_text(&path).unwrap_err();
+        assert!(format!("{error} {error:?}").len() < 1000);
     }
 
     #[test]
