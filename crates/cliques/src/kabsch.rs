@@ -43,7 +43,7 @@ pub fn kabsch(pairs: &PointPairs, weights: Option<&[f64]>) -> Result<Isometry3<f
         covariance += x * y.transpose() * *weight;
     }
     let svd = SignedSvd3::new(&covariance);
-    let rank = svd.rank(8.0 * f64::EPSILON * (1.0 + target.distance() + source.distance()));
+    let rank = svd.rank(8.0 * f64::EPSILON * (1.0 + target.distance + source.distance));
     if rank < 2 {
         return Err(Degenerate { rank });
     }
@@ -55,44 +55,45 @@ pub fn kabsch(pairs: &PointPairs, weights: Option<&[f64]>) -> Result<Isometry3<f
 fn usable_weights(len: usize, weights: Option<&[f64]>) -> Vec<f64> {
     let weights = weights.map_or_else(|| vec![1.0; len], <[f64]>::to_vec);
     assert_eq!(weights.len(), len, "one weight per point pair");
-    let sum: f64 = weights.iter().sum();
-    if sum > 0.0 {
-        weights.iter().map(|w| w / sum).collect()
-    } else {
-        vec![1.0 / len as f64; len]
+    let largest = weights.iter().copied().fold(0.0, f64::max);
+    if largest == 0.0 {
+        return vec![1.0 / len as f64; len];
     }
+    let sum: f64 = weights.iter().map(|w| w / largest).sum();
+    weights.iter().map(|w| w / largest / sum).collect()
 }
 
-/// Points relative to their weighted mean.
+/// Points relative to their weighted mean, and to their size: no square of them can overflow or
+/// vanish.
 struct Centred {
     centroid: Vector3<f64>,
+    /// Offsets from the centroid in units of the largest coordinate among them.
     offsets: Vec<Vector3<f64>>,
-    /// Root of the weighted mean square of the offsets.
-    extent: f64,
+    /// Distance of the centroid from the origin in extents of the set: what the offsets lose in
+    /// digits, and so how far a line of points may look like a plane.
+    distance: f64,
 }
 
 impl Centred {
     fn new(points: &[Point3<f64>], weights: &[f64]) -> Self {
         let weighted = points.iter().zip(weights);
         let centroid: Vector3<f64> = weighted.map(|(p, w)| p.coords * *w).sum();
-        let offsets: Vec<_> = points.iter().map(|p| p.coords - centroid).collect();
+        let mut offsets: Vec<_> = points.iter().map(|p| p.coords - centroid).collect();
+        let size = offsets.iter().map(|x| x.amax()).fold(0.0, f64::max);
+        if size > 0.0 {
+            offsets.iter_mut().for_each(|x| *x /= size);
+        }
         let squares = offsets.iter().zip(weights);
         let extent = squares
             .map(|(x, w)| w * x.norm_squared())
             .sum::<f64>()
             .sqrt();
+        let distance = (centroid / size).norm() / extent;
         Self {
             centroid,
             offsets,
-            extent,
+            distance: if distance.is_finite() { distance } else { 0.0 },
         }
-    }
-
-    /// Distance of the centroid from the origin in extents of the set: what the offsets lose in
-    /// digits, and so how far a line of points may look like a plane.
-    fn distance(&self) -> f64 {
-        let distance = self.centroid.norm() / self.extent;
-        if distance.is_finite() { distance } else { 0.0 }
     }
 }
 
@@ -188,6 +189,27 @@ mod tests {
             .collect();
         let found = kabsch(&moved(source, &motion), None).unwrap();
         assert!(difference(&found, &motion) < 1e-10);
+    }
+
+    #[test]
+    fn extreme_scales_of_points_and_weights_keep_the_digits() {
+        let motion = Isometry3::rotation(Vector3::new(0.4, -1.0, 0.3));
+        for scale in [1e-160, 1e-100, 1e-9, 1e9, 1e99] {
+            let source = (0..7).map(|k| k as f64);
+            let source = source.map(|k| Point3::new(k.sin(), k.cos(), (2.0 * k).sin()) * scale);
+            let pairs = moved(source.collect(), &motion);
+            for weight in [1e-300, 1.0, 1e308] {
+                let found = kabsch(&pairs, Some(&[weight; 7])).unwrap();
+                assert!(
+                    found.rotation.angle_to(&motion.rotation) < 1e-13,
+                    "{scale}, {weight}"
+                );
+                assert!(
+                    found.translation.vector.norm() < 1e-13 * scale,
+                    "{scale}, {weight}"
+                );
+            }
+        }
     }
 
     #[test]

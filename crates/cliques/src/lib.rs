@@ -21,7 +21,7 @@
 //! | weighted Kabsch | [`kabsch`] |
 //! | hypothesis choice | [`estimate_pose`] |
 //!
-//! This crate depends on nalgebra only and knows one pair at a time.
+//! This crate knows one pair at a time. Of the larger libraries it needs nalgebra only.
 
 mod enumeration;
 mod graph;
@@ -30,6 +30,7 @@ mod pose;
 mod ranking;
 
 pub use enumeration::{Enumeration, for_each_maximal_clique};
+pub use gmpcr_geometry::PointPairs;
 pub use graph::BitGraph;
 pub use kabsch::{Degenerate, kabsch};
 pub use pose::{Compatibility, PoseEstimate, RelativePose, estimate_pose, inlier_ratio};

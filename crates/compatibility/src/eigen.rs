@@ -273,6 +273,15 @@ mod tests {
     }
 
     #[test]
+    fn extreme_scales_keep_the_eigenvalue() {
+        let clique = DMatrix::from_fn(6, 6, |m, n| if m == n { 0.0 } else { 1.0 });
+        for scale in [1e-250, 1e-200, 1e-150, 1e150, 1e200, 1e250] {
+            let eigenpair = DominantEigenpair::new(&(&clique * scale));
+            assert_relative_eq!(eigenpair.value, 5.0 * scale, max_relative = 1e-12);
+        }
+    }
+
+    #[test]
     fn the_larger_of_two_separate_cliques_takes_all() {
         let mut matrix = DMatrix::zeros(9, 9);
         for (range, value) in [(0..3, 1.0), (3..8, 1.0)] {

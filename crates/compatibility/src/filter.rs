@@ -64,7 +64,9 @@ impl SpectralFilter {
 
 /// `⌈r_s M⌉`, where a product such as `0.55 · 100` may exceed its exact value by rounding.
 fn retained_count(size: usize, fraction: f64) -> usize {
-    ((fraction * size as f64 - 1e-9).ceil() as usize).min(size)
+    ((fraction * size as f64 - 1e-9).ceil() as usize)
+        .max(1)
+        .min(size)
 }
 
 /// Indices of the `count` largest values, ascending; equal values: lower index.
@@ -163,6 +165,7 @@ mod tests {
         assert_eq!(retained_count(60, 0.65), 39);
         assert_eq!(retained_count(75, 0.25), 19);
         assert_eq!(retained_count(0, 0.5), 0);
+        assert_eq!(retained_count(9, 1e-12), 1);
         assert_eq!(retained_count(3, 1.0), 3);
     }
 }

@@ -28,6 +28,7 @@ mod graph;
 
 pub use eigen::{DominantEigenpair, Route};
 pub use filter::SpectralFilter;
+pub use gmpcr_geometry::PointPairs;
 pub use graph::CompatibilityGraph;
 
 /// Parameters of this stage. The default is the paper's setting for 3DMatch.

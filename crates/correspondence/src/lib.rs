@@ -22,6 +22,7 @@ mod sampling;
 mod scan;
 
 pub use descriptors::{Descriptors, DescriptorsError};
+pub use gmpcr_geometry::PointPairs;
 pub use matching::{DimensionsDiffer, Match, correspondences, match_descriptors};
 pub use sampling::{Keypoints, farthest_point_sampling};
 pub use scan::{Scan, ScanError};

@@ -251,11 +251,12 @@ fn for_each_within(entries: &[f32], limits: &[f32], mut visit: impl FnMut(usize)
 ///
 /// A product of `d` terms in any order of summation errs by at most `d ε ‖a‖‖b‖` to first order,
 /// with `ε` the unit roundoff; the norms and the two additions err by as much again. The factor 4
-/// covers both, the doubling of the product, and higher orders.
+/// covers both, the doubling of the product, and higher orders. Terms that underflow err by up to the
+/// smallest normal number instead.
 fn resolution(dimension: usize, a_norms: &[f32], b_norms: &[f32]) -> f32 {
     let largest = |norms: &[f32]| norms.iter().copied().fold(0.0, f32::max);
     let scale = largest(a_norms) + largest(b_norms);
-    2.0 * 4.0 * (dimension as f32 + 4.0) * (f32::EPSILON / 2.0) * scale
+    2.0 * 4.0 * (dimension as f32 + 4.0) * (f32::EPSILON / 2.0 * scale + f32::MIN_POSITIVE)
 }
 
 fn squared_norms(descriptors: &Descriptors) -> Vec<f32> {
@@ -332,6 +333,18 @@ mod tests {
         let indices: Vec<_> = matches.iter().map(|m| (m.i, m.j)).collect();
         assert_eq!(indices, plain_matches(&a, &b));
         assert_eq!(indices.len(), 2);
+    }
+
+    #[test]
+    fn tiny_descriptors_underflow_no_decision() {
+        for scale in [1e-20, 1e-21, 1e-22, 1e-23, 1e-30, 1e-44] {
+            let wave = |k: usize, f: f32| (k as f32 * f).sin() * scale;
+            let rows = |f: f32| Descriptors::new((0..60 * 33).map(|k| wave(k, f)).collect(), 33);
+            let [a, b] = [1.7, 2.9].map(|f| rows(f).unwrap());
+            let matches = match_descriptors(&a, &b).unwrap();
+            let indices: Vec<_> = matches.iter().map(|m| (m.i, m.j)).collect();
+            assert_eq!(indices, plain_matches(&a, &b), "scale {scale}");
+        }
     }
 
     #[test]

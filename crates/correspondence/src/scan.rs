@@ -1,3 +1,4 @@
+use gmpcr_geometry::is_usable;
 use nalgebra::Point3;
 
 use crate::Descriptors;
@@ -34,9 +35,9 @@ pub enum ScanError {
         /// Number of descriptors.
         descriptors: usize,
     },
-    /// A coordinate is NaN or infinite.
-    #[error("point {index} has a coordinate that is not finite")]
-    NotFinite {
+    /// A coordinate is NaN, infinite, or beyond ±1e100, where squares overflow.
+    #[error("point {index} has a coordinate that is not a number within ±1e100")]
+    BadCoordinate {
         /// The first such point.
         index: usize,
     },
@@ -46,7 +47,7 @@ impl Scan {
     /// Joins points and their descriptors.
     ///
     /// # Errors
-    /// [`ScanError`] if their numbers differ or a coordinate is not finite.
+    /// [`ScanError`] if their numbers differ or a coordinate is not a number within ±1e100.
     pub fn new(points: Vec<Point3<f64>>, descriptors: Descriptors) -> Result<Self, ScanError> {
         if points.len() != descriptors.len() {
             return Err(ScanError::LengthsDiffer {
@@ -54,9 +55,8 @@ impl Scan {
                 descriptors: descriptors.len(),
             });
         }
-        let not_finite = |p: &Point3<f64>| !p.coords.iter().all(|c| c.is_finite());
-        match points.iter().position(not_finite) {
-            Some(index) => Err(ScanError::NotFinite { index }),
+        match points.iter().position(|p| !is_usable(&p.coords)) {
+            Some(index) => Err(ScanError::BadCoordinate { index }),
             None => Ok(Self {
                 points,
                 descriptors,
@@ -98,9 +98,9 @@ mod tests {
             descriptors: 2,
         };
         assert_eq!(Scan::new(one, descriptors.clone()), Err(lengths));
-        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1.1e100] {
             let points = vec![Point3::origin(), Point3::new(0.0, bad, 0.0)];
-            let not_finite = Err(ScanError::NotFinite { index: 1 });
+            let not_finite = Err(ScanError::BadCoordinate { index: 1 });
             assert_eq!(Scan::new(points, descriptors.clone()), not_finite);
         }
     }

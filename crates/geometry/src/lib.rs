@@ -26,7 +26,7 @@ mod pairs;
 mod rotation;
 mod svd;
 
-pub use pairs::{PairsError, PointPairs};
+pub use pairs::{MAX_COORDINATE, PairsError, PointPairs, is_usable};
 pub use rotation::{angular_distance, isometry, nearest_rotation, rotation_angle};
 pub use svd::SignedSvd3;
 

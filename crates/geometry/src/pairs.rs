@@ -1,4 +1,12 @@
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Vector3};
+
+/// The largest coordinate that is accepted: its square, summed over many points, is finite.
+pub const MAX_COORDINATE: f64 = 1e100;
+
+/// Whether all coordinates are numbers within ±[`MAX_COORDINATE`].
+pub fn is_usable(coordinates: &Vector3<f64>) -> bool {
+    coordinates.iter().all(|c| c.abs() <= MAX_COORDINATE)
+}
 
 /// Corresponding points of two scans: `target()[m]` and `source()[m]` are claimed to be one place.
 ///
@@ -34,9 +42,9 @@ pub enum PairsError {
         /// Number of source points.
         source_points: usize,
     },
-    /// A coordinate is NaN or infinite.
-    #[error("point pair {index} has a coordinate that is not finite")]
-    NotFinite {
+    /// A coordinate is NaN, infinite, or beyond ±[`MAX_COORDINATE`].
+    #[error("point pair {index} has a coordinate that is not a number within ±1e100")]
+    BadCoordinate {
         /// The first such pair.
         index: usize,
     },
@@ -46,7 +54,8 @@ impl PointPairs {
     /// Pairs `target[m]` with `source[m]`.
     ///
     /// # Errors
-    /// [`PairsError`] if the lengths differ or a coordinate is not finite.
+    /// [`PairsError`] if the lengths differ or a coordinate is not a number within
+    /// ±[`MAX_COORDINATE`].
     pub fn new(target: Vec<Point3<f64>>, source: Vec<Point3<f64>>) -> Result<Self, PairsError> {
         if target.len() != source.len() {
             return Err(PairsError::LengthsDiffer {
@@ -54,9 +63,9 @@ impl PointPairs {
                 source_points: source.len(),
             });
         }
-        let is_finite = |p: &Point3<f64>| p.coords.iter().all(|c| c.is_finite());
-        match (0..target.len()).find(|&m| !(is_finite(&target[m]) && is_finite(&source[m]))) {
-            Some(index) => Err(PairsError::NotFinite { index }),
+        let is_good = |&m: &usize| is_usable(&target[m].coords) && is_usable(&source[m].coords);
+        match (0..target.len()).find(|m| !is_good(m)) {
+            Some(index) => Err(PairsError::BadCoordinate { index }),
             None => Ok(Self { target, source }),
         }
     }
@@ -121,14 +130,16 @@ mod tests {
         let p = Point3::origin();
         let nan = Point3::new(0.0, f64::NAN, 0.0);
         let infinite = Point3::new(f64::INFINITY, 0.0, 0.0);
+        let huge = Point3::new(0.0, 0.0, -1.1e100);
         let lengths = PointPairs::new(vec![p; 3], vec![p; 2]).unwrap_err();
         assert_eq!(
             lengths.to_string(),
             "3 target points do not pair with 2 source points"
         );
-        let not_finite = Err(PairsError::NotFinite { index: 1 });
+        let not_finite = Err(PairsError::BadCoordinate { index: 1 });
         assert_eq!(PointPairs::new(vec![p, nan], vec![p; 2]), not_finite);
         assert_eq!(PointPairs::new(vec![p; 2], vec![p, infinite]), not_finite);
+        assert_eq!(PointPairs::new(vec![p; 2], vec![p, huge]), not_finite);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-use gmpcr_correspondence::DimensionsDiffer;
+use gmpcr_correspondence::{DescriptorsError, DimensionsDiffer, ScanError};
 
 /// Why scans could not be registered at all.
 ///
@@ -7,6 +7,12 @@ use gmpcr_correspondence::DimensionsDiffer;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// Points and descriptors do not form a scan.
+    #[error(transparent)]
+    Scan(#[from] ScanError),
+    /// Numbers do not form descriptors.
+    #[error(transparent)]
+    Descriptors(#[from] DescriptorsError),
     /// The list of scans is empty.
     #[error("no scans: at least one is needed")]
     NoScans,
@@ -46,13 +52,13 @@ pub enum Error {
 }
 
 impl Error {
-    /// The dimensions of scans 0 and 1 of a pair.
-    pub(crate) fn of_pair(DimensionsDiffer { i, j }: DimensionsDiffer) -> Self {
+    /// The dimensions of scans `i` and `j`.
+    pub(crate) fn of_pair(i: usize, j: usize, differ: DimensionsDiffer) -> Self {
         Self::DimensionsDiffer {
-            first: 0,
-            expected: i,
-            scan: 1,
-            dimension: j,
+            first: i,
+            expected: differ.i,
+            scan: j,
+            dimension: differ.j,
         }
     }
 }

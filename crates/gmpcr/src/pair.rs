@@ -55,7 +55,8 @@ pub fn register_pair(
     let num_samples = params.correspondence.num_samples;
     let [keypoints_i, keypoints_j] =
         [scan_i, scan_j].map(|scan| Keypoints::sample(scan, num_samples));
-    register_keypoints(&keypoints_i, &keypoints_j, params).map_err(Error::of_pair)
+    register_keypoints(&keypoints_i, &keypoints_j, params)
+        .map_err(|differ| Error::of_pair(0, 1, differ))
 }
 
 /// Raw confidence of a pair of sampled scans.

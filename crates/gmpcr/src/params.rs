@@ -140,6 +140,13 @@ impl Params {
             "in [0, 1)",
         )?;
         at_least(1, cliques.work_budget, "cliques.work_budget")?;
+        let (iterations, allowed) = (sync.iterations, "at most 100000");
+        check(
+            iterations <= 100_000,
+            iterations as f64,
+            "sync.iterations",
+            allowed,
+        )?;
         positive(sync.residual_scale, "sync.residual_scale")?;
         match &sync.history {
             History::Adaptive(history) => validate_history(history),
@@ -254,7 +261,8 @@ mod tests {
             }
         }
         type Spoil = fn(&mut Params);
-        let cases: [(&str, Spoil); 15] = [
+        let cases: [(&str, Spoil); 16] = [
+            ("sync.iterations", |p| p.sync.iterations = usize::MAX),
             ("correspondence.num_samples", |p| {
                 p.correspondence.num_samples = 2
             }),

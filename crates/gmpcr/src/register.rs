@@ -1,7 +1,7 @@
 use std::time::{Duration, Instant};
 
 use gmpcr_cliques::PoseEstimate;
-use gmpcr_correspondence::{DimensionsDiffer, Keypoints, Scan};
+use gmpcr_correspondence::{Keypoints, Scan};
 use gmpcr_posegraph::{Connectivity, PairConfidences, PoseEdge, PoseGraph, ScoredPair};
 use gmpcr_sync::{Synchronization, synchronize};
 use rayon::prelude::*;
@@ -91,7 +91,8 @@ fn score_all_pairs(keypoints: &[Keypoints], params: &Params) -> Result<PairConfi
     let num_scans = keypoints.len();
     let pairs = (0..num_scans).flat_map(|i| (i + 1..num_scans).map(move |j| (i, j)));
     let score = |(i, j): (usize, usize)| {
-        let raw_confidence = raw_confidence(&keypoints[i], &keypoints[j], params)?;
+        let raw_confidence = raw_confidence(&keypoints[i], &keypoints[j], params)
+            .map_err(|differ| Error::of_pair(i, j, differ))?;
         Ok(ScoredPair {
             i,
             j,
@@ -99,9 +100,8 @@ fn score_all_pairs(keypoints: &[Keypoints], params: &Params) -> Result<PairConfi
         })
     };
     let pairs: Vec<_> = pairs.collect();
-    let scored: Result<_, DimensionsDiffer> = pairs.into_par_iter().map(score).collect();
-    let scored = scored.map_err(Error::of_pair)?;
-    Ok(PairConfidences::new(num_scans, scored).expect("all pairs, in order, are scored"))
+    let scored: Result<_, Error> = pairs.into_par_iter().map(score).collect();
+    Ok(PairConfidences::new(num_scans, scored?).expect("all pairs, in order, are scored"))
 }
 
 /// Matches and filters the selected pairs again, which costs a share `K / N` of the scoring and
@@ -115,9 +115,9 @@ fn register_selected(
     let estimate = |&position: &usize| {
         let ScoredPair { i, j, .. } = confidences.pairs()[position];
         register_keypoints(&keypoints[i], &keypoints[j], params)
+            .map_err(|differ| Error::of_pair(i, j, differ))
     };
-    let pairs: Result<_, DimensionsDiffer> = selected.par_iter().map(estimate).collect();
-    pairs.map_err(Error::of_pair)
+    selected.par_iter().map(estimate).collect()
 }
 
 /// The pose graph of the pairs that have a motion, with initial weights `w⁰ = s_ij · IR`.
@@ -135,7 +135,7 @@ fn build_graph(
             cliques_seen,
             budget_exhausted,
         } = pair.estimate;
-        let Some(pose) = pose else {
+        let Some(pose) = pose.filter(|pose| pose.inlier_ratio > 0.0) else {
             unresolved.push(UnresolvedPair {
                 i,
                 j,
@@ -169,7 +169,7 @@ fn build_graph(
         });
     }
     let graph = PoseGraph::new(confidences.num_scans(), edges)
-        .expect("edges join existing scans by finite motions");
+        .expect("motions of usable points are finite, and confidences at most one");
     (graph, evidence, unresolved)
 }
 

@@ -16,7 +16,7 @@ pub struct Registration {
     pub graph: PoseGraph,
     /// What speaks for and against each edge of `graph`, in its order.
     pub evidence: Vec<EdgeEvidence>,
-    /// Pairs that were selected, but whose cliques determine no motion.
+    /// Pairs that were selected, but whose cliques determine no motion that a match supports.
     pub unresolved: Vec<UnresolvedPair>,
     /// Confidences of all scan pairs.
     pub confidences: PairConfidences,
@@ -36,6 +36,20 @@ impl Registration {
     pub fn i_from_j(&self, i: usize, j: usize) -> Option<Isometry3<f64>> {
         let share_frame = self.components.label(i) == self.components.label(j);
         share_frame.then(|| self.world_from_scan[i].inv_mul(&self.world_from_scan[j]))
+    }
+
+    /// The same registration with the world of one component in the frame of `reference`, whose pose
+    /// becomes the identity; other components stay as they are.
+    ///
+    /// # Panics
+    /// If the scan does not exist.
+    pub fn in_frame_of(mut self, reference: usize) -> Self {
+        let reference_from_world = self.world_from_scan[reference].inverse();
+        for &scan in &self.components.members()[self.components.label(reference)] {
+            self.world_from_scan[scan] = reference_from_world * self.world_from_scan[scan];
+        }
+        self.world_from_scan[reference] = Isometry3::identity();
+        self
     }
 
     /// Whether a scan shares a frame with another one.
@@ -79,7 +93,8 @@ pub struct EdgeEvidence {
     pub translation_residual: Option<f64>,
 }
 
-/// A selected pair without a motion: no maximal clique of three correspondences determines one.
+/// A selected pair without a motion: no maximal clique of three correspondences determines one that
+/// at least one correspondence supports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnresolvedPair {
     /// The lower scan index.
@@ -88,7 +103,7 @@ pub struct UnresolvedPair {
     pub j: usize,
     /// Normalised confidence `s_ij`.
     pub confidence: f64,
-    /// Maximal cliques that were seen, all of them degenerate.
+    /// Maximal cliques that were seen, all of them degenerate or without support.
     pub cliques_seen: usize,
     /// Whether the work budget ended the enumeration early.
     pub budget_exhausted: bool,

@@ -336,23 +336,55 @@ fn parameters_out_of_range_are_an_error() {
 }
 
 #[test]
-fn extreme_coordinates_register_or_stay_apart_but_never_fail() {
-    for scale in [1e-150, 1e-9, 1e9, 1e150, 1e300] {
+fn the_unit_of_the_points_does_not_matter() {
+    let plain = register(&VIEWS.scans(), &Params::default()).unwrap();
+    for scale in [1e-90, 1e-9, 1e9, 1e90] {
         let mut scans = VIEWS.scans();
         for scan in &mut scans {
             let points = scan.points().iter().map(|p| p * scale).collect();
             *scan = Scan::new(points, scan.descriptors().clone()).unwrap();
         }
-        for params in [
-            Params::default(),
-            Params::default().with_tolerance(0.1 * scale),
-        ] {
-            let registration = register(&scans, &params).unwrap();
-            let is_finite = |pose: &Isometry3<f64>| pose.to_matrix().iter().all(|x| x.is_finite());
-            assert!(
-                registration.world_from_scan.iter().all(is_finite),
-                "scale {scale}"
-            );
+        let params = Params::default().with_tolerance(0.1 * scale);
+        let scaled = register(&scans, &params).unwrap();
+        for (a, b) in plain.world_from_scan.iter().zip(&scaled.world_from_scan) {
+            assert!(a.rotation.angle_to(&b.rotation) < 1e-6, "scale {scale}");
+            let shift = a.translation.vector - b.translation.vector / scale;
+            assert!(shift.norm() < 1e-6, "scale {scale}: {shift}");
         }
+        // With a tolerance that does not fit there is less to find, but nothing fails.
+        let unfit = register(&scans, &Params::default()).unwrap();
+        assert_eq!(unfit.world_from_scan.len(), scans.len());
     }
+}
+
+#[test]
+fn huge_coordinates_of_opposite_sign_give_finite_poses() {
+    let side = |x: f64| {
+        let place = |k: usize| Point3::new(x, scattered(k), scattered(k + 99));
+        let rows = (0..16 * 4).map(|k| scattered(k + 7) as f32).collect();
+        let rows = Descriptors::new(rows, 4).unwrap();
+        Scan::new((0..16).map(place).collect(), rows).unwrap()
+    };
+    let registration = register(&[side(1e100), side(-1e100)], &Params::default()).unwrap();
+    let is_finite = |pose: &Isometry3<f64>| pose.to_matrix().iter().all(|x| x.is_finite());
+    assert!(registration.world_from_scan.iter().all(is_finite));
+}
+
+#[test]
+fn motions_without_support_are_unresolved_and_join_nothing() {
+    let mut params = Params::default();
+    params.cliques.inlier_threshold = 1e-12;
+    let registration = register(&VIEWS.scans()[..3], &params).unwrap();
+    assert!(registration.evidence.is_empty() && !registration.unresolved.is_empty());
+    assert!(!registration.connectivity.is_connected);
+    assert_eq!(registration.components.members().len(), 3);
+}
+
+#[test]
+fn the_frame_can_be_that_of_any_scan() {
+    let registration = register(&VIEWS.scans(), &Params::default()).unwrap();
+    let expected = registration.i_from_j(4, 7).unwrap();
+    let moved = registration.in_frame_of(4);
+    assert_eq!(moved.world_from_scan[4], Isometry3::identity());
+    assert!(difference(&moved.world_from_scan[7], &expected) < 1e-12);
 }

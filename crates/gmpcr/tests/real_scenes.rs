@@ -63,7 +63,10 @@ struct Agreement {
 
 fn agreement(registration: &Registration, expected: &Value) -> Agreement {
     let mut found = Agreement::default();
-    let keep = |largest: &mut f64, value: f64| *largest = largest.max(value);
+    let keep = |largest: &mut f64, value: f64| {
+        assert!(value.is_finite());
+        *largest = largest.max(value);
+    };
     let raw = expected["raw_confidence"].as_object().unwrap();
     assert_eq!(registration.confidences.pairs().len(), raw.len());
     for pair in registration.confidences.pairs() {
@@ -101,6 +104,7 @@ fn agreement(registration: &Registration, expected: &Value) -> Agreement {
         );
     }
     let poses = expected["poses"].as_array().unwrap();
+    assert_eq!(registration.world_from_scan.len(), poses.len());
     for (pose, expected) in registration.world_from_scan.iter().zip(poses) {
         keep(&mut found.pose, difference(pose, expected));
     }
@@ -113,7 +117,9 @@ fn check(scene: &str) {
     let expected: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
     let scans = learned_scans(&data.join("descriptors").join(scene));
     let params = Params::threedmatch();
-    for (scan, sampled) in scans.iter().zip(expected["sampled"].as_array().unwrap()) {
+    let sampled = expected["sampled"].as_array().unwrap();
+    assert_eq!(scans.len(), sampled.len());
+    for (scan, sampled) in scans.iter().zip(sampled) {
         let samples =
             farthest_point_sampling(scan.descriptors(), params.correspondence.num_samples);
         let reference = sampled.as_array().unwrap().iter();

@@ -84,8 +84,14 @@ impl PairConfidences {
         // Scaling by the largest first keeps the squares finite.
         let largest = pairs.iter().map(|p| p.raw_confidence).fold(0.0, f64::max);
         let scaled = pairs.iter().map(|p| p.raw_confidence / largest);
-        let norm = scaled.map(|s| s * s).sum::<f64>().sqrt() * largest;
-        let normalize = |raw: f64| if largest > 0.0 { raw / norm } else { 0.0 };
+        let norm = scaled.map(|s| s * s).sum::<f64>().sqrt();
+        let normalize = |raw: f64| {
+            if largest > 0.0 {
+                raw / largest / norm
+            } else {
+                0.0
+            }
+        };
         Ok(Self {
             num_scans,
             normalized: pairs.iter().map(|p| normalize(p.raw_confidence)).collect(),
@@ -227,8 +233,9 @@ mod tests {
 
     #[test]
     fn huge_confidences_normalise_without_overflow() {
-        let c = PairConfidences::new(2, vec![pair(0, 1, 1e300)]).unwrap();
-        assert_eq!(c.normalized(), [1.0]);
+        let pairs = [(0, 1), (0, 2), (1, 2), (1, 3)].map(|(i, j)| pair(i, j, 1.7e308));
+        let c = PairConfidences::new(4, pairs.to_vec()).unwrap();
+        assert_eq!(c.normalized(), [0.5; 4]);
     }
 
     #[test]

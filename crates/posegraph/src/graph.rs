@@ -9,7 +9,7 @@ pub struct PoseEdge {
     pub j: usize,
     /// The motion `T_ij ≈ T_i⁻¹ T_j`: `x_i = i_from_j * x_j`.
     pub i_from_j: Isometry3<f64>,
-    /// Initial weight `w_ij⁽⁰⁾ ≥ 0`; only ratios between edges matter.
+    /// Initial weight `w_ij⁽⁰⁾`, in [0, 1e100]; only ratios between edges matter.
     pub weight: f64,
 }
 
@@ -54,8 +54,8 @@ pub enum PoseGraphError {
         /// The scan.
         i: usize,
     },
-    /// A weight is negative or not finite.
-    #[error("edge ({i}, {j}) has weight {weight}: it must be finite and not negative")]
+    /// A weight is not in [0, 1e100].
+    #[error("edge ({i}, {j}) has weight {weight}: it must be in [0, 1e100]")]
     InvalidWeight {
         /// First scan of the edge.
         i: usize,
@@ -64,8 +64,8 @@ pub enum PoseGraphError {
         /// Its weight.
         weight: f64,
     },
-    /// A motion has an entry that is not finite, or no unit quaternion.
-    #[error("edge ({i}, {j}) has a motion that is not finite")]
+    /// A motion has no unit quaternion, or a translation that is not a number within ±1e100.
+    #[error("edge ({i}, {j}) has no unit quaternion or a translation that is not within ±1e100")]
     InvalidMotion {
         /// First scan of the edge.
         i: usize,
@@ -79,7 +79,7 @@ impl PoseGraph {
     ///
     /// # Errors
     /// [`PoseGraphError`] if an edge names a scan outside `0..num_scans`, joins a scan with itself,
-    /// or has a weight or motion that is not finite, or a negative weight.
+    /// or has a weight outside [0, 1e100] or a motion that is none.
     pub fn new(num_scans: usize, edges: Vec<PoseEdge>) -> Result<Self, PoseGraphError> {
         edges
             .iter()
@@ -98,6 +98,9 @@ impl PoseGraph {
     }
 }
 
+/// The largest weight or length: sums of squares of them are finite.
+const LARGEST: f64 = 1e100;
+
 fn validate(edge: &PoseEdge, num_scans: usize) -> Result<(), PoseGraphError> {
     let &PoseEdge {
         i,
@@ -111,12 +114,12 @@ fn validate(edge: &PoseEdge, num_scans: usize) -> Result<(), PoseGraphError> {
     if i == j {
         return Err(PoseGraphError::Loop { i });
     }
-    if !(weight.is_finite() && weight >= 0.0) {
+    if !(0.0..=LARGEST).contains(&weight) {
         return Err(PoseGraphError::InvalidWeight { i, j, weight });
     }
     let is_rotation = (i_from_j.rotation.norm() - 1.0).abs() < 1e-6;
-    let is_finite = i_from_j.translation.vector.iter().all(|t| t.is_finite());
-    if !(is_rotation && is_finite) {
+    let is_usable = |t: &f64| t.abs() <= LARGEST;
+    if !(is_rotation && i_from_j.translation.vector.iter().all(is_usable)) {
         return Err(PoseGraphError::InvalidMotion { i, j });
     }
     Ok(())
@@ -163,7 +166,7 @@ mod tests {
                     i_from_j: Isometry3::translation(f64::NAN, 0.0, 0.0),
                     ..good
                 },
-                "edge (0, 1) has a motion that is not finite",
+                "edge (0, 1) has no unit quaternion or a translation",
             ),
         ];
         for (edge, message) in cases {

@@ -1,19 +1,23 @@
-use gmpcr_geometry::nearest_rotation;
+use gmpcr_geometry::SignedSvd3;
 use gmpcr_posegraph::PoseGraph;
 use nalgebra::{DMatrix, Matrix3, Rotation3};
 
 use crate::eigenspace::{Eigenspace, smallest_eigenvectors};
 use crate::laplacian::ConnectionLaplacian;
-use crate::subgraph::Subgraph;
+use crate::subgraph::{Subgraph, relative};
 
 /// Rotations of all scans of a connected graph, and how well their eigenproblem was solved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AveragedRotations {
     /// `R_i`, from the scan's frame into that of scan 0, which has the identity.
     pub world_from_scan: Vec<Rotation3<f64>>,
-    /// Largest residual of the three eigenvectors in units of the largest weighted degree; above
-    /// 1e-9 the eigenvectors of a large, badly conditioned graph have not converged.
+    /// Largest residual of the three eigenvectors in units of the largest weighted degree: whether
+    /// the eigenproblem was solved (below 1e-11), not whether its solution is a good one.
     pub eigen_residual: f64,
+    /// Smallest over largest singular value of the scans' 3×3 blocks, in [0, 1]: 1 for consistent
+    /// measurements, near 0 where the eigenvectors dwell on a part of the graph that hangs on the
+    /// rest by weak or contradictory edges. The rotations of the rest are then unreliable.
+    pub weakest_block: f64,
 }
 
 /// Rotation averaging: the spectral relaxation of `argmin Σ w_ij ‖R̂_ij − R_iᵀ R_j‖_F²`.
@@ -56,7 +60,7 @@ pub(crate) struct RotationAverager<'a> {
 impl<'a> RotationAverager<'a> {
     /// Starts from the rotations along a spanning tree of maximal weight.
     pub fn new(graph: &'a Subgraph, weights: &[f64]) -> Self {
-        let rotations = graph.spanning_tree_rotations(weights);
+        let rotations = graph.rotations_along(&graph.spanning_tree(weights));
         let entry = |row: usize, column: usize| rotations[row / 3].matrix()[(column, row % 3)];
         Self {
             laplacian: ConnectionLaplacian::new(graph),
@@ -65,20 +69,22 @@ impl<'a> RotationAverager<'a> {
     }
 
     pub fn solve(&mut self, weights: &[f64]) -> AveragedRotations {
-        self.laplacian.set_weights(weights);
+        self.laplacian.set_weights(&relative(weights));
         let Eigenspace { vectors, residual } =
             smallest_eigenvectors(&mut self.laplacian, &self.start);
-        let world_from_scan = project_blocks(&vectors);
+        let (world_from_scan, weakest_block) = project_blocks(&vectors);
         self.start = vectors;
         AveragedRotations {
             world_from_scan,
             eigen_residual: residual,
+            weakest_block,
         }
     }
 }
 
-/// Rotations from the first three eigenvectors, in the gauge of the first block.
-fn project_blocks(vectors: &DMatrix<f64>) -> Vec<Rotation3<f64>> {
+/// Rotations from the first three eigenvectors, in the gauge of the first block, and the ratio of
+/// the smallest to the largest singular value of all blocks.
+fn project_blocks(vectors: &DMatrix<f64>) -> (Vec<Rotation3<f64>>, f64) {
     let block = |node: usize| vectors.fixed_view::<3, 3>(3 * node, 0).into_owned();
     let mut blocks: Vec<Matrix3<f64>> = (0..vectors.nrows() / 3).map(block).collect();
     let num_reflected = blocks
@@ -90,12 +96,23 @@ fn project_blocks(vectors: &DMatrix<f64>) -> Vec<Rotation3<f64>> {
             .iter_mut()
             .for_each(|block| block.column_mut(2).neg_mut());
     }
-    let scan_from_world: Vec<_> = blocks.iter().map(nearest_rotation).collect();
+    let decomposed: Vec<_> = blocks.iter().map(SignedSvd3::new).collect();
+    let smallest = decomposed
+        .iter()
+        .map(|svd| svd.singular_values[2].abs())
+        .fold(1.0, f64::min);
+    let largest = decomposed
+        .iter()
+        .map(|svd| svd.singular_values[0])
+        .fold(0.0, f64::max);
+    let scan_from_world: Vec<_> = decomposed
+        .iter()
+        .map(SignedSvd3::nearest_rotation)
+        .collect();
     let Some((reference, others)) = scan_from_world.split_first() else {
-        return Vec::new();
+        return (Vec::new(), 1.0);
     };
     let in_its_frame = others.iter().map(|rotation| reference * rotation.inverse());
-    std::iter::once(Rotation3::identity())
-        .chain(in_its_frame)
-        .collect()
+    let rotations = std::iter::once(Rotation3::identity()).chain(in_its_frame);
+    (rotations.collect(), smallest / largest)
 }

@@ -1,6 +1,3 @@
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
-use faer::{Mat, MatRef, Par};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::laplacian::ConnectionLaplacian;
@@ -19,8 +16,11 @@ pub(crate) struct Eigenspace {
 const WANTED: usize = 3;
 /// Further vectors iterated along: the wanted ones converge at the rate of `λ₃/λ₇`.
 const GUARD: usize = 3;
-/// Residual, in units of the largest degree, at which the search stops.
+/// Residual, in units of the largest degree, at which the search stops once it no longer falls fast.
+/// The error of a vector is the residual over the gap to the next eigenvalue, which may be small.
 const TOLERANCE: f64 = 1e-13;
+/// A solve that leaves more than this share of the residual gains nothing any more.
+const STALL: f64 = 0.25;
 /// A residual that rounding keeps above the tolerance is as good as it gets below this.
 const ACCEPTABLE: f64 = 1e-11;
 /// Block solves before the search gives up.
@@ -28,7 +28,9 @@ const MAX_SOLVES: usize = 60;
 /// Block solves between attempts to move the shift closer to the eigenvalues.
 const SOLVES_PER_SHIFT: usize = 3;
 /// Up to this many rows a full decomposition is affordable where the search gives up.
-const DENSE_LIMIT: usize = 900;
+const DENSE_LIMIT: usize = 600;
+/// Steps of the full decomposition; a few per row are usual.
+const MAX_QR_STEPS: usize = 100 * DENSE_LIMIT;
 
 /// Finds the three smallest eigenvectors by block inverse iteration with Rayleigh–Ritz projection,
 /// starting from the first columns of `start`.
@@ -36,7 +38,7 @@ const DENSE_LIMIT: usize = 900;
 /// The block keeps a multiple eigenvalue (noise-free rotations have λ = 0 three times) from being
 /// missed, as single-vector Krylov methods may. The shift moves up behind the smallest Ritz value as
 /// long as the Cholesky factorisation succeeds, which is an inertia check for free. Where the
-/// iteration stalls (eigenvalues that nearly coincide) and the matrix is small, faer's full
+/// iteration stalls (eigenvalues that nearly coincide) and the matrix is small, a full
 /// decomposition takes over; a large one is returned as it stands, with its residual.
 pub(crate) fn smallest_eigenvectors(
     laplacian: &mut ConnectionLaplacian,
@@ -49,18 +51,21 @@ pub(crate) fn smallest_eigenvectors(
     if laplacian.factorize(shift).is_err() {
         return ritz.into_eigenspace(scale);
     }
+    let mut last_residual = f64::INFINITY;
     for solves in 1..=MAX_SOLVES {
-        if ritz.residual() <= TOLERANCE * scale {
-            return ritz.into_eigenspace(scale);
-        }
         laplacian.solve_in_place(&mut ritz.vectors);
         ritz = rayleigh_ritz(laplacian, ritz.vectors);
+        let residual = ritz.residual();
+        if residual <= TOLERANCE * scale && residual >= STALL * last_residual {
+            return ritz.into_eigenspace(scale);
+        }
+        last_residual = residual;
         if solves % SOLVES_PER_SHIFT == 0 {
             shift = closer_shift(laplacian, &ritz, shift);
         }
     }
     if ritz.residual() > ACCEPTABLE * scale && laplacian.size() <= DENSE_LIMIT {
-        return dense_eigenvectors(laplacian);
+        return dense_eigenvectors(laplacian).unwrap_or_else(|| ritz.into_eigenspace(scale));
     }
     ritz.into_eigenspace(scale)
 }
@@ -139,37 +144,14 @@ fn closer_shift(laplacian: &mut ConnectionLaplacian, ritz: &Ritz, current: f64) 
     }
 }
 
-fn dense_eigenvectors(laplacian: &ConnectionLaplacian) -> Eigenspace {
-    let (matrix, size) = (laplacian.to_dense(), laplacian.size());
-    let entries = MatRef::from_column_major_slice(matrix.as_slice(), size, size);
-    let mut vectors = Mat::<f64>::zeros(size, size);
-    let mut values = faer::Col::<f64>::zeros(size);
-    let (yes, par) = (ComputeEigenvectors::Yes, Par::Seq);
-    let scratch = self_adjoint_evd_scratch::<f64>(size, yes, par, Default::default());
-    // A failure leaves vectors that the residual shows to be wrong.
-    let _ = self_adjoint_evd(
-        entries,
-        values.as_diagonal_mut(),
-        Some(vectors.as_mut()),
-        par,
-        MemStack::new(&mut MemBuffer::new(scratch)),
-        Default::default(),
-    );
-    let block = (WANTED + GUARD).min(size);
-    let vectors = DMatrix::from_fn(size, block, |row, column| vectors[(row, column)]);
-    let mut residuals = laplacian.multiply(&vectors);
-    for column in 0..block {
-        residuals
-            .column_mut(column)
-            .axpy(-values[column], &vectors.column(column), 1.0);
-    }
-    let values = (0..block).map(|column| values[column]).collect();
-    let ritz = Ritz {
-        values,
-        vectors,
-        residuals,
-    };
-    ritz.into_eigenspace(laplacian.largest_degree())
+/// The eigenvectors by the full decomposition; `None` where it does not converge.
+fn dense_eigenvectors(laplacian: &ConnectionLaplacian) -> Option<Eigenspace> {
+    let eigen = SymmetricEigen::try_new(laplacian.to_dense(), f64::EPSILON, MAX_QR_STEPS)?;
+    let mut order: Vec<usize> = (0..laplacian.size()).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    order.truncate(WANTED + GUARD);
+    let vectors = eigen.eigenvectors.select_columns(&order);
+    Some(rayleigh_ritz(laplacian, vectors).into_eigenspace(laplacian.largest_degree()))
 }
 
 /// `start` with columns cut or added to make `columns` of them.
@@ -272,7 +254,7 @@ mod tests {
             laplacian.set_weights(&vec![0.7; graph.measurements.len()]);
             let start = DMatrix::from_element(3 * num_nodes, 1, 1.0);
             let found = smallest_eigenvectors(&mut laplacian, &start);
-            let dense = dense_eigenvectors(&laplacian);
+            let dense = dense_eigenvectors(&laplacian).unwrap();
             assert!(
                 found.residual < 1e-11,
                 "{num_nodes} nodes: residual {}",

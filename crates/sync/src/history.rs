@@ -5,7 +5,7 @@ pub enum History {
     /// recovery of edges whose residual falls.
     Adaptive(AdaptiveHistory),
     /// The accumulating scheme of SGHR (Wang et al., CVPR 2023): with `θ` the residual in degrees,
-    /// `w ← w exp(−2 θ (ℓ+1) / (L(L+1)/2))`, multiplied on over all iterations.
+    /// `w ← w exp(−2 θ (ℓ+1) / (L(L+1)/2))`, multiplied on over all iterations. SGHR has `L = 50`.
     Sghr,
     /// Each iteration forgets the last: `w = w⁰ exp(−r)`.
     Memoryless,
@@ -140,7 +140,7 @@ impl EdgeHistory {
     }
 
     fn accumulate(&mut self, residuals: &[f64], degrees_per_unit: f64) -> Option<f64> {
-        let count = self.num_iterations as f64;
+        let count = self.num_iterations.max(1) as f64;
         let share = (self.iteration as f64 + 1.0) / (count * (count + 1.0) / 2.0);
         for (weight, residual) in self.weights.iter_mut().zip(residuals) {
             *weight *= (-2.0 * residual * degrees_per_unit * share).exp();

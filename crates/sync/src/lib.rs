@@ -35,6 +35,7 @@ mod synchronize;
 mod translations;
 
 pub use averaging::{AveragedRotations, average_rotations};
+pub use gmpcr_posegraph::{Components, PoseEdge, PoseGraph, PoseGraphError};
 pub use history::{AdaptiveHistory, EdgeHistory, History, Update};
 pub use synchronize::{ComponentReport, EdgeReport, Iteration, Synchronization, synchronize};
 pub use translations::solve_translations;
@@ -42,7 +43,8 @@ pub use translations::solve_translations;
 /// Parameters of this stage. The default is the paper's setting for 3DMatch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SyncParams {
-    /// Reweighting iterations, `L`; 0 solves once with the initial weights. Default 10.
+    /// Reweighting iterations, `L`, at most 100 000; 0 solves once with the initial weights.
+    /// Default 10.
     pub iterations: usize,
     /// Rotation residual that counts as one, `s_r`, in radians; positive. Default 5°.
     pub residual_scale: f64,

@@ -1,3 +1,6 @@
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use gmpcr_posegraph::{Components, PoseEdge, PoseGraph};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -84,58 +87,91 @@ impl Subgraph {
         self.measurements.iter().map(residual).collect()
     }
 
-    /// Rotations along a spanning tree of maximal weight, node 0 being the identity. Exact where
-    /// the measurements are; a start for iterations elsewhere. Nodes out of reach get the identity.
-    pub fn spanning_tree_rotations(&self, weights: &[f64]) -> Vec<Rotation3<f64>> {
-        let mut order: Vec<usize> = (0..self.measurements.len()).collect();
-        order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]).then(a.cmp(&b)));
-        let mut tree = vec![Vec::new(); self.num_nodes];
-        let mut label: Vec<usize> = (0..self.num_nodes).collect();
-        for position in order {
-            let Measurement { i, j, .. } = self.measurements[position];
-            let [root_i, root_j] = [i, j].map(|node| representative(&mut label, node));
-            if root_i != root_j {
-                label[root_i.max(root_j)] = root_i.min(root_j);
-                tree[i].push(position);
-                tree[j].push(position);
+    /// A spanning tree of maximal weight (Prim 1957), as links from visited to new nodes in the order
+    /// of the visits. Parts out of reach start from their lowest node. Ties: lower measurement.
+    pub fn spanning_tree(&self, weights: &[f64]) -> Vec<TreeLink> {
+        let mut at_node = vec![Vec::new(); self.num_nodes];
+        for (position, m) in self.measurements.iter().enumerate() {
+            at_node[m.i].push(position);
+            at_node[m.j].push(position);
+        }
+        let (mut is_visited, mut tree) = (vec![false; self.num_nodes], Vec::new());
+        // Nonnegative numbers are ordered as their bits are.
+        let candidate = |&position: &usize| (weights[position].to_bits(), Reverse(position));
+        for root in 0..self.num_nodes {
+            let mut frontier = BinaryHeap::new();
+            if !is_visited[root] {
+                is_visited[root] = true;
+                frontier.extend(at_node[root].iter().map(candidate));
             }
-        }
-        self.rotations_along(&tree)
-    }
-
-    fn rotations_along(&self, tree: &[Vec<usize>]) -> Vec<Rotation3<f64>> {
-        let mut rotations = vec![None; self.num_nodes];
-        let mut stack = Vec::new();
-        if self.num_nodes > 0 {
-            rotations[0] = Some(Rotation3::identity());
-            stack.push(0);
-        }
-        while let Some(node) = stack.pop() {
-            let world_from_node = rotations[node].unwrap_or_default();
-            for &position in &tree[node] {
+            while let Some((_, Reverse(position))) = frontier.pop() {
                 let m = &self.measurements[position];
-                let (other, rotation) = if m.i == node {
-                    (m.j, world_from_node * m.rotation)
+                let (parent, child) = if is_visited[m.i] {
+                    (m.i, m.j)
                 } else {
-                    (m.i, world_from_node * m.rotation.inverse())
+                    (m.j, m.i)
                 };
-                if rotations[other].is_none() {
-                    rotations[other] = Some(rotation);
-                    stack.push(other);
+                if !is_visited[child] {
+                    is_visited[child] = true;
+                    frontier.extend(at_node[child].iter().map(candidate));
+                    tree.push(TreeLink {
+                        parent,
+                        child,
+                        measurement: position,
+                    });
                 }
             }
         }
-        rotations
-            .into_iter()
-            .map(Option::unwrap_or_default)
-            .collect()
+        tree
+    }
+
+    /// Rotations along a tree, its root having the identity. Exact where the measurements are.
+    pub fn rotations_along(&self, tree: &[TreeLink]) -> Vec<Rotation3<f64>> {
+        let mut world_from_node = vec![Rotation3::identity(); self.num_nodes];
+        for link in tree {
+            let m = &self.measurements[link.measurement];
+            let parent_from_child = if m.i == link.parent {
+                m.rotation
+            } else {
+                m.rotation.inverse()
+            };
+            world_from_node[link.child] = world_from_node[link.parent] * parent_from_child;
+        }
+        world_from_node
+    }
+
+    /// Positions along a tree under given rotations, its root being the origin.
+    pub fn positions_along(
+        &self,
+        tree: &[TreeLink],
+        world_from_node: &[Rotation3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        let mut positions = vec![Vector3::zeros(); self.num_nodes];
+        for link in tree {
+            let m = &self.measurements[link.measurement];
+            let step = world_from_node[m.i] * m.translation;
+            let direction = if m.i == link.parent { 1.0 } else { -1.0 };
+            positions[link.child] = positions[link.parent] + step * direction;
+        }
+        positions
     }
 }
 
-fn representative(label: &mut [usize], mut node: usize) -> usize {
-    while label[node] != node {
-        label[node] = label[label[node]];
-        node = label[node];
+/// A step of a spanning tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TreeLink {
+    pub parent: usize,
+    pub child: usize,
+    /// The measurement between the two.
+    pub measurement: usize,
+}
+
+/// Weights in units of the largest, so that no product of them overflows or vanishes.
+pub(crate) fn relative(weights: &[f64]) -> Vec<f64> {
+    let largest = weights.iter().copied().fold(0.0, f64::max);
+    if largest > 0.0 {
+        weights.iter().map(|weight| weight / largest).collect()
+    } else {
+        weights.to_vec()
     }
-    node
 }

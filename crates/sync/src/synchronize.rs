@@ -6,7 +6,7 @@ use crate::averaging::RotationAverager;
 use crate::history::EdgeHistory;
 use crate::subgraph::Subgraph;
 use crate::translations::subgraph_translations;
-use crate::{AveragedRotations, SyncParams, Update};
+use crate::{SyncParams, Update};
 
 /// Poses of all scans, with the evidence for them.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,8 +43,11 @@ pub struct ComponentReport {
     pub edges: Vec<usize>,
     /// One record per reweighting iteration.
     pub iterations: Vec<Iteration>,
-    /// Largest eigenvector residual of all rotation solves, relative to the largest weighted degree.
+    /// Largest [`eigen_residual`](crate::AveragedRotations::eigen_residual) of all rotation solves.
     pub eigen_residual: f64,
+    /// Smallest [`weakest_block`](crate::AveragedRotations::weakest_block) of all rotation solves. Below
+    /// about 1e-6 the reweighting has split the component in all but name.
+    pub weakest_block: f64,
 }
 
 /// One reweighting iteration `ℓ`.
@@ -61,7 +64,9 @@ pub struct Iteration {
 ///
 /// Every connected component is synchronised on its own, in the frame of its lowest scan. After the
 /// last of the `L` weight updates, rotations and translations are solved once more. Cost per
-/// iteration: one sparse factorisation of a `3N × 3N` matrix and a few block solves.
+/// iteration: one sparse factorisation of a `3N × 3N` matrix and a few block solves, more where
+/// eigenvalues nearly coincide. Residuals and weights of every iteration are returned: 16 bytes per
+/// edge and iteration.
 ///
 /// `params` must be in range: see [`SyncParams`].
 ///
@@ -107,6 +112,7 @@ pub fn synchronize(graph: &PoseGraph, params: &SyncParams) -> Synchronization {
             edges: positions,
             iterations: solved.iterations,
             eigen_residual: solved.eigen_residual,
+            weakest_block: solved.weakest_block,
         });
     }
     result
@@ -118,6 +124,7 @@ struct Solved {
     final_weights: Vec<f64>,
     iterations: Vec<Iteration>,
     eigen_residual: f64,
+    weakest_block: f64,
 }
 
 impl Solved {
@@ -127,15 +134,13 @@ impl Solved {
         }
         let mut averager = RotationAverager::new(graph, &initial_weights);
         let mut history = EdgeHistory::new(params.history, params.iterations, initial_weights);
-        let mut iterations = Vec::with_capacity(params.iterations);
-        let mut eigen_residual: f64 = 0.0;
+        let mut iterations = Vec::new();
+        let (mut eigen_residual, mut weakest_block) = (0f64, 1f64);
         let mut average = |weights: &[f64]| -> Vec<Rotation3<f64>> {
-            let AveragedRotations {
-                world_from_scan,
-                eigen_residual: residual,
-            } = averager.solve(weights);
-            eigen_residual = eigen_residual.max(residual);
-            world_from_scan
+            let averaged = averager.solve(weights);
+            eigen_residual = eigen_residual.max(averaged.eigen_residual);
+            weakest_block = weakest_block.min(averaged.weakest_block);
+            averaged.world_from_scan
         };
         for _ in 0..params.iterations {
             let rotations = average(history.weights());
@@ -155,6 +160,7 @@ impl Solved {
             final_weights,
             iterations,
             eigen_residual,
+            weakest_block,
         }
     }
 
@@ -164,6 +170,7 @@ impl Solved {
             final_weights: Vec::new(),
             iterations: Vec::new(),
             eigen_residual: 0.0,
+            weakest_block: 1.0,
         }
     }
 

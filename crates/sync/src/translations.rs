@@ -2,17 +2,19 @@ use gmpcr_posegraph::PoseGraph;
 use nalgebra::{DMatrix, Rotation3, Vector3};
 
 use crate::cholesky::SparseCholesky;
-use crate::subgraph::Subgraph;
+use crate::subgraph::{Measurement, Subgraph, relative};
 
-/// Weights below this share of the largest are lifted to it where rounding would otherwise leave
-/// scans that hang on them without a position.
+/// Relative weights are lifted to this where rounding leaves scans that hang on lower ones without a
+/// position.
 const WEIGHT_FLOOR: f64 = 1e-12;
 
 /// Translations under given rotations: `argmin Σ w_ij ‖R_i t̂_ij + t_i − t_j‖²`.
 ///
 /// Scan 0 has the zero translation, which leaves a sparse positive definite system in the other
-/// scans, solved by Cholesky decomposition for the three axes at once. Lengths keep the unit of the
-/// input. `weights` holds one weight per edge of `graph`, `world_from_scan` one rotation per scan.
+/// scans, solved by Cholesky decomposition for the three axes at once. The unknowns are the
+/// corrections to the positions along a spanning tree of maximal weight: these are small where the
+/// measurements agree, so that parts joined by weak edges keep their digits. Lengths keep the unit of
+/// the input. `weights` holds one weight per edge of `graph`, `world_from_scan` one rotation per scan.
 /// The graph must be connected by edges of positive weight for the positions to have a meaning.
 ///
 /// # Panics
@@ -52,17 +54,25 @@ pub(crate) fn subgraph_translations(
     if graph.num_nodes < 2 {
         return vec![Vector3::zeros(); graph.num_nodes];
     }
+    let weights = relative(weights);
+    let tree = graph.spanning_tree(&weights);
+    let along_tree = graph.positions_along(&tree, world_from_node);
+    let offset = |m: &Measurement| {
+        world_from_node[m.i] * m.translation - (along_tree[m.j] - along_tree[m.i])
+    };
+    let offsets: Vec<_> = graph.measurements.iter().map(offset).collect();
     let system = GroundedLaplacian::new(graph);
-    let solve = |weights: &[f64]| system.solve(graph, world_from_node, weights);
-    let solution = solve(weights).unwrap_or_else(|| {
-        let floor = WEIGHT_FLOOR * weights.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let lifted: Vec<f64> = weights.iter().map(|w| w.max(floor)).collect();
-        solve(&lifted).unwrap_or_else(|| DMatrix::zeros(graph.num_nodes - 1, 3))
+    let corrections = system.solve(graph, &offsets, &weights).or_else(|| {
+        let lifted: Vec<f64> = weights.iter().map(|w| w.max(WEIGHT_FLOOR)).collect();
+        system.solve(graph, &offsets, &lifted)
     });
-    let position =
-        |row: usize| Vector3::new(solution[(row, 0)], solution[(row, 1)], solution[(row, 2)]);
-    std::iter::once(Vector3::zeros())
-        .chain((0..graph.num_nodes - 1).map(position))
+    let correction = |node: usize| match &corrections {
+        Some(rows) if node > 0 => rows.fixed_view::<1, 3>(node - 1, 0).transpose(),
+        _ => Vector3::zeros(),
+    };
+    let nodes = along_tree.iter().enumerate();
+    nodes
+        .map(|(node, position)| position + correction(node))
         .collect()
 }
 
@@ -95,22 +105,22 @@ impl GroundedLaplacian {
         }
     }
 
-    /// Positions of all nodes but the first; `None` where the system is singular in floating point.
+    /// Positions `p` of all nodes but the first that minimise `Σ w ‖offset + p_i − p_j‖²`; `None`
+    /// where the system is singular in floating point.
     fn solve(
         &self,
         graph: &Subgraph,
-        world_from_node: &[Rotation3<f64>],
+        offsets: &[Vector3<f64>],
         weights: &[f64],
     ) -> Option<DMatrix<f64>> {
         let mut values = vec![0.0; self.rows.len()];
         let mut right = DMatrix::zeros(graph.num_nodes - 1, 3);
-        for (m, &weight) in graph.measurements.iter().zip(weights) {
-            let offset = world_from_node[m.i] * m.translation * weight;
+        for ((m, &weight), offset) in graph.measurements.iter().zip(weights).zip(offsets) {
             for (node, sign) in [(m.i, -1.0), (m.j, 1.0)] {
                 if node > 0 {
                     values[self.column_starts[node - 1]] += weight;
                     let mut row = right.row_mut(node - 1);
-                    row += offset.transpose() * sign;
+                    row += offset.transpose() * (sign * weight);
                 }
             }
             let (low, high) = (m.i.min(m.j), m.i.max(m.j));
