@@ -396,8 +396,9 @@ fn rotations_under_weights_of_many_decades_are_those_of_the_full_decomposition()
         let expected = dense_average(&graph);
         for (a, b) in averaged.world_from_scan.iter().zip(&expected) {
             let angle = gmpcr_geometry::angular_distance(a, b);
-            // Gaps of 1e-7 leave the plain decomposition itself no more digits.
-            assert!(angle < 1e-6, "seed {seed}: {angle}");
+            // What small gaps and blocks leave of the plain decomposition's own digits.
+            let digits = 1e-6 + 1e-12 / averaged.weakest_block;
+            assert!(angle < digits, "seed {seed}: {angle}");
         }
     }
 }
