@@ -1,3 +1,5 @@
+use std::cmp::Ordering::Greater;
+
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use gmpcr_geometry::{PairsError, PointPairs};
@@ -152,8 +154,9 @@ impl ApproximateDistances {
     /// The row of `a` that is nearest to each row of `b`, by the `exact` squared distance.
     fn nearest_in_a(&self, exact: impl Fn(usize, usize) -> f64) -> Vec<usize> {
         let mut nearest = vec![Nearest::NONE; self.columns().len()];
+        let mut limits = vec![0.0; self.num_rows];
         for (j, column) in self.columns().enumerate() {
-            let limits = vec![smallest(column) + self.resolution; column.len()];
+            limits.fill(smallest(column) + self.resolution);
             for_each_within(column, &limits, |i| nearest[j].compare(i, |i| exact(i, j)));
         }
         nearest.iter().map(|nearest| nearest.index).collect()
@@ -227,22 +230,22 @@ fn lesser(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
 }
 
+/// Entries that are passed over together where none of them is within its limit.
+const SPAN: usize = 64;
+
 /// Visits the positions of the entries that do not exceed their limits, NaN included.
 fn for_each_within(entries: &[f32], limits: &[f32], mut visit: impl FnMut(usize)) {
-    let exceeds = |(entry, limit): (&f32, &f32)| entry > limit;
-    let blocks = entries.chunks(BLOCK).zip(limits.chunks(BLOCK));
-    for (k, (entries, limits)) in blocks.enumerate() {
-        let num_exceeding: usize = entries
-            .iter()
-            .zip(limits)
-            .map(|pair| usize::from(exceeds(pair)))
-            .sum();
-        if num_exceeding < entries.len() {
-            for (offset, pair) in entries.iter().zip(limits).enumerate() {
-                if !exceeds(pair) {
-                    visit(k * BLOCK + offset);
-                }
-            }
+    let is_within = |(entry, limit): (&f32, &f32)| {
+        let is_greater = matches!(entry.partial_cmp(limit), Some(Greater));
+        !is_greater
+    };
+    let spans = entries.chunks(SPAN).zip(limits.chunks(SPAN));
+    for (k, (entries, limits)) in spans.enumerate() {
+        let pairs = || entries.iter().zip(limits);
+        // Without an early exit this loop becomes vector instructions.
+        if pairs().fold(false, |any, pair| any | is_within(pair)) {
+            let positions = pairs().enumerate().filter(|&(_, pair)| is_within(pair));
+            positions.for_each(|(offset, _)| visit(k * SPAN + offset));
         }
     }
 }
@@ -260,7 +263,8 @@ fn resolution(dimension: usize, a_norms: &[f32], b_norms: &[f32]) -> f32 {
 }
 
 fn squared_norms(descriptors: &Descriptors) -> Vec<f32> {
-    let norm = |row: &[f32]| row.iter().map(|&v| f64::from(v).powi(2)).sum::<f64>() as f32;
+    let origin = vec![0.0; descriptors.dimension()];
+    let norm = |row: &[f32]| squared_distance(row, &origin) as f32;
     descriptors.rows().map(norm).collect()
 }
 
