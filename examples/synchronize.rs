@@ -55,6 +55,9 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let mut file = read_g2o(&arguments.graph)?;
     complete_vertices(&mut file);
     let graph = pose_graph(&file)?;
+    if graph.edges().is_empty() {
+        return Err(format!("{}: no edges to synchronise", arguments.graph.display()).into());
+    }
     let params = SyncParams {
         iterations: arguments.iterations,
         history: match arguments.history {

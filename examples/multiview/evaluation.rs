@@ -53,6 +53,14 @@ fn print_recalls(
         }
         println!();
     }
+    print!("{:<28}", "within 15° and 0.3 m");
+    for pairs in matches {
+        match PairErrors::of_pairs(pairs, poses)?.recall() {
+            Some(share) => print!(" {:>6.1} % ", 100.0 * share),
+            None => print!(" {:>8} ", "no pairs"),
+        }
+    }
+    println!();
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! Scans from files or from the simulator, with the truth where it is known.
 
 use std::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use gmpcr::features::FeatureParams;
@@ -12,7 +12,7 @@ use gmpcr_io::{
     descriptor_files, read_descriptors, read_gt_info, read_gt_log, read_keypoints, read_points,
     scan_files,
 };
-use gmpcr_sim::{SimParams, SimulatedScans, overlapping_points, simulate};
+use gmpcr_sim::{RoomParams, SimParams, SimulatedScans, overlapping_points, simulate};
 
 /// What is to be registered.
 pub struct Input {
@@ -33,7 +33,12 @@ pub struct Truth {
 const OVERLAP_RADIUS: f64 = 0.0375;
 
 impl Input {
-    pub fn simulate(num_scans: usize, seed: u64, voxel: f64) -> Result<Self, Box<dyn Error>> {
+    pub fn simulate(
+        num_scans: usize,
+        num_rooms: usize,
+        seed: u64,
+        voxel: f64,
+    ) -> Result<Self, Box<dyn Error>> {
         let start = Instant::now();
         let SimulatedScans {
             clouds,
@@ -41,6 +46,10 @@ impl Input {
         } = simulate(&SimParams {
             num_scans,
             seed,
+            room: RoomParams {
+                num_rooms,
+                ..RoomParams::default()
+            },
             ..SimParams::default()
         })?;
         println!(
@@ -65,8 +74,9 @@ impl Input {
     ) -> Result<Self, Box<dyn Error>> {
         let start = Instant::now();
         let mut clouds = Vec::new();
-        for file in scan_files(folder)? {
-            let read = read_points(&file)?;
+        let files = scan_files(folder)?;
+        for file in &files {
+            let read = read_points(file)?;
             if read.invalid > 0 {
                 println!(
                     "{}: {} points that are not finite left out",
@@ -82,7 +92,7 @@ impl Input {
             start.elapsed().as_secs_f64()
         );
         let scans = match descriptors {
-            Some(folder) => learned_scans(folder, clouds.len())?,
+            Some(folder) => learned_scans(folder, &files)?,
             None => fpfh_scans(&clouds, voxel)?,
         };
         Ok(Self {
@@ -103,16 +113,25 @@ fn fpfh_scans(clouds: &[Vec<Point3<f64>>], voxel: f64) -> Result<Vec<Scan>, Box<
     Ok(scans)
 }
 
-fn learned_scans(folder: &Path, num_scans: usize) -> Result<Vec<Scan>, Box<dyn Error>> {
+fn learned_scans(folder: &Path, clouds: &[PathBuf]) -> Result<Vec<Scan>, Box<dyn Error>> {
     let files = descriptor_files(folder)?;
-    if files.len() != num_scans {
-        let message = "descriptor sets: one per scan is needed";
-        return Err(format!(
-            "{}: {num_scans} scans, but {} {message}",
-            folder.display(),
-            files.len()
-        )
-        .into());
+    let folder = folder.display();
+    if files.len() != clouds.len() {
+        let (sets, scans) = (files.len(), clouds.len());
+        return Err(format!("{folder}: {sets} descriptor sets for {scans} scans").into());
+    }
+    for (files, cloud) in files.iter().zip(clouds) {
+        let stem = cloud
+            .file_stem()
+            .map(|stem| stem.to_string_lossy().into_owned());
+        if stem.as_deref().map(trailing_number) != Some(trailing_number(&files.name)) {
+            let cloud = cloud.display();
+            return Err(format!(
+                "{folder}: descriptors {} stand where {cloud} has its turn",
+                files.name
+            )
+            .into());
+        }
     }
     let scan = |files: &gmpcr_io::DescriptorFiles| -> Result<Scan, Box<dyn Error>> {
         let read = read_descriptors(&files.descriptors)?;
@@ -121,6 +140,12 @@ fn learned_scans(folder: &Path, num_scans: usize) -> Result<Vec<Scan>, Box<dyn E
         Ok(Scan::new(read_keypoints(&files.keypoints)?, descriptors).map_err(|e| named(&e))?)
     };
     files.iter().map(scan).collect()
+}
+
+/// The digits at the end of a name, by which clouds and descriptors belong together.
+fn trailing_number(name: &str) -> Option<usize> {
+    let start = name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+    name[start..].parse().ok()
 }
 
 /// The benchmark's pairs where they lie beside the scans.

@@ -19,6 +19,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
+use gmpcr::sync::History;
 use gmpcr::{Params, Registration, register};
 
 use evaluation::print_evaluation;
@@ -41,15 +42,57 @@ struct Arguments {
     /// Parameters of the paper for one of its datasets.
     #[arg(long, value_enum, default_value_t = Preset::Threedmatch)]
     preset: Preset,
+    /// Keypoints per scan, instead of the preset's.
+    #[arg(long)]
+    samples: Option<usize>,
+    /// Share of the correspondences that the spectral filter retains, instead of the preset's.
+    #[arg(long)]
+    retained: Option<f64>,
+    /// Neighbours that each scan proposes as edges, instead of the preset's.
+    #[arg(long)]
+    neighbors: Option<usize>,
+    /// How edges are reweighted, instead of the preset's adaptive history.
+    #[arg(long, value_enum)]
+    history: Option<Scheme>,
     /// Where to write merged.ply, poses.txt, poses.tum, edges.csv and posegraph.g2o.
     #[arg(long, default_value = "out", value_name = "DIR")]
     out: PathBuf,
     /// Number of simulated scans.
     #[arg(long, default_value_t = 24, conflicts_with = "folder")]
     scans: usize,
+    /// Number of simulated rooms, joined by doorways.
+    #[arg(long, default_value_t = 1, conflicts_with = "folder")]
+    rooms: usize,
     /// Seed of the simulation.
     #[arg(long, default_value_t = 7, conflicts_with = "folder")]
     seed: u64,
+}
+
+impl Arguments {
+    fn params(&self) -> Params {
+        let mut params = self.preset.params().with_tolerance(2.0 * self.voxel);
+        if let Some(samples) = self.samples {
+            params.correspondence.num_samples = samples;
+        }
+        if let Some(retained) = self.retained {
+            params.compatibility.retained_fraction = retained;
+        }
+        if let Some(neighbors) = self.neighbors {
+            params.posegraph.neighbors = neighbors;
+        }
+        match self.history {
+            Some(Scheme::Sghr) => params.sync.history = History::Sghr,
+            Some(Scheme::Memoryless) => params.sync.history = History::Memoryless,
+            None => {}
+        }
+        params
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Scheme {
+    Sghr,
+    Memoryless,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -89,24 +132,29 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let params = arguments
-        .preset
-        .params()
-        .with_tolerance(2.0 * arguments.voxel);
+    let params = arguments.params();
     params.validate()?;
     let input = match &arguments.folder {
         Some(folder) => Input::read(folder, arguments.descriptors.as_deref(), arguments.voxel)?,
-        None => Input::simulate(arguments.scans, arguments.seed, arguments.voxel)?,
+        None => Input::simulate(
+            arguments.scans,
+            arguments.rooms,
+            arguments.seed,
+            arguments.voxel,
+        )?,
     };
     let start = Instant::now();
     let registration = register(&input.scans, &params)?;
     println!("registered in {:.3} s", start.elapsed().as_secs_f64());
     print_summary(&registration);
+    let num_written = write_results(&arguments.out, &input.clouds, &registration, &params)?;
     print_evaluation(&input.truth, &registration)?;
-    write_results(&arguments.out, &input.clouds, &registration, &params)?;
     println!(
-        "\nwrote merged.ply, poses.txt, poses.tum, edges.csv and posegraph.g2o to {}",
+        "\nwrote poses.txt and edges.csv to {}, and",
         arguments.out.display()
+    );
+    println!(
+        "merged.ply, poses.tum and posegraph.g2o with the {num_written} scans of the largest component"
     );
     Ok(())
 }

@@ -11,64 +11,54 @@ use gmpcr_io::{
     G2o, G2oEdge, G2oVertex, distinct_color, write_g2o, write_merged_ply, write_poses_tum,
 };
 
+/// Writes all result files; returns how many scans `merged.ply`, `poses.tum` and `posegraph.g2o` hold.
 pub fn write_results(
     folder: &Path,
     clouds: &[Vec<Point3<f64>>],
     registration: &Registration,
     params: &Params,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<usize, Box<dyn Error>> {
+    let write = |name: &str, text: String| {
+        let path = folder.join(name);
+        fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))
+    };
     fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let registered = registered_scans(registration);
+    write("poses.txt", poses_text(registration))?;
+    write("edges.csv", edges_text(registration))?;
+
+    let scans = largest_component(registration);
     let moved = |&scan: &usize| {
         let world_from_scan = registration.world_from_scan[scan];
-        let points = clouds[scan]
-            .iter()
-            .map(move |point| world_from_scan * point);
-        (points, distinct_color(scan))
+        let points = clouds[scan].iter();
+        (
+            points.map(move |point| world_from_scan * point),
+            distinct_color(scan),
+        )
     };
-    write_merged_ply(
-        folder.join("merged.ply"),
-        reference_component(registration).iter().map(moved),
-    )?;
+    write_merged_ply(folder.join("merged.ply"), scans.iter().map(moved))?;
     let stamped = |&scan: &usize| (scan as f64, registration.world_from_scan[scan]);
-    let stamped: Vec<_> = reference_component(registration)
-        .iter()
-        .map(stamped)
-        .collect();
+    let stamped: Vec<_> = scans.iter().map(stamped).collect();
     write_poses_tum(folder.join("poses.tum"), &stamped)?;
-    fs::write(
-        folder.join("poses.txt"),
-        poses_text(registration, &registered),
-    )?;
-    fs::write(folder.join("edges.csv"), edges_text(registration))?;
     write_g2o(
         folder.join("posegraph.g2o"),
-        &pose_graph(registration, params),
+        &pose_graph(registration, scans, params),
     )?;
-    Ok(())
+    Ok(scans.len())
 }
 
-/// Scans that share a frame with another.
-fn registered_scans(registration: &Registration) -> Vec<usize> {
-    let scans = 0..registration.world_from_scan.len();
-    scans
-        .filter(|&scan| registration.is_registered(scan))
-        .collect()
-}
-
-/// The scans of the largest component, the only ones that fit into one picture.
-fn reference_component(registration: &Registration) -> &[usize] {
+/// The scans of the largest component (the first of equal ones): one frame, one picture.
+fn largest_component(registration: &Registration) -> &[usize] {
     let components = registration.components.members().iter();
-    components
-        .rev()
-        .max_by_key(|scans| scans.len())
-        .map_or(&[], Vec::as_slice)
+    let largest = components.rev().max_by_key(|scans| scans.len());
+    largest.map_or(&[], Vec::as_slice)
 }
 
-/// `index component` and the 12 row-major numbers of the pose, a line per registered scan.
-fn poses_text(registration: &Registration, registered: &[usize]) -> String {
+/// `index component` and the 12 row-major numbers of the pose, a line per scan that shares a frame with
+/// another.
+fn poses_text(registration: &Registration) -> String {
     let mut text = String::new();
-    for &scan in registered {
+    let scans = 0..registration.world_from_scan.len();
+    for scan in scans.filter(|&scan| registration.is_registered(scan)) {
         let component = registration.components.label(scan);
         let numbers = row_major(&registration.world_from_scan[scan], " ");
         let _ = writeln!(text, "{scan} {component} {numbers}");
@@ -111,23 +101,30 @@ fn row_major(motion: &Isometry3<f64>, separator: &str) -> String {
     numbers.join(separator)
 }
 
-/// The graph with the final poses as vertices. Information: an inlier threshold of translation or a
-/// residual scale of rotation counts as one sigma of the edge of largest final weight.
-fn pose_graph(registration: &Registration, params: &Params) -> G2o {
+/// The edges among `scans`, with the final poses as vertices. Information: an inlier threshold of
+/// translation or a residual scale of rotation counts as one sigma of the edge of largest final weight;
+/// g2o measures a rotation by the vector part of its quaternion, half of the angle. Edges of less than a
+/// millionth of that weight are left out.
+fn pose_graph(registration: &Registration, scans: &[usize], params: &Params) -> G2o {
     let final_weights = registration.evidence.iter().map(|edge| edge.final_weight);
     let largest = final_weights.fold(f64::MIN_POSITIVE, f64::max);
-    let [t, r] =
-        [params.cliques.inlier_threshold, params.sync.residual_scale].map(|s| 1.0 / (s * s));
+    let sigmas = [
+        params.cliques.inlier_threshold,
+        params.sync.residual_scale / 2.0,
+    ];
+    let [t, r] = sigmas.map(|sigma| 1.0 / (sigma * sigma));
     let unit = Matrix6::from_diagonal(&Vector6::new(t, t, t, r, r, r));
-    let poses = registration.world_from_scan.iter().enumerate();
-    let edges = registration.evidence.iter().zip(registration.graph.edges());
+    let weighted = registration.evidence.iter().zip(registration.graph.edges());
+    let counts = |evidence: &EdgeEvidence| {
+        scans.binary_search(&evidence.i).is_ok() && evidence.final_weight > 1e-6 * largest
+    };
+    let edges = weighted.filter(|(evidence, _)| counts(evidence));
+    let vertex = |&id: &usize| G2oVertex {
+        id,
+        world_from_vertex: registration.world_from_scan[id],
+    };
     G2o {
-        vertices: poses
-            .map(|(id, &world_from_vertex)| G2oVertex {
-                id,
-                world_from_vertex,
-            })
-            .collect(),
+        vertices: scans.iter().map(vertex).collect(),
         edges: edges
             .map(|(evidence, edge)| G2oEdge {
                 i: edge.i,

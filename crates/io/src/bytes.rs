@@ -1,7 +1,7 @@
 //! Binary files: opened, measured, and checked before memory is spent on them.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Seek};
+use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
 use crate::Error;
@@ -31,6 +31,31 @@ impl<'a> Source<'a> {
             reader,
             length,
         })
+    }
+
+    /// The lines up to the one that `is_last` accepts, after which the reader stands then; what is
+    /// no text in them is replaced.
+    ///
+    /// Without such a line these are all lines; the parser of the header has to notice.
+    pub(crate) fn header(&mut self, is_last: fn(&str) -> bool) -> Result<String, Error> {
+        const LONGEST: u64 = 1 << 22;
+        let mut reader = self.reader.by_ref().take(LONGEST);
+        let mut header = String::new();
+        let mut bytes = Vec::new();
+        loop {
+            bytes.clear();
+            let length = reader.read_until(b'\n', &mut bytes);
+            let length = length.map_err(Error::io("read", self.path))?;
+            if reader.limit() == 0 {
+                let reason = format!("the header takes {LONGEST} bytes or more");
+                return Err(Error::malformed(self.path, reason));
+            }
+            let line = String::from_utf8_lossy(&bytes);
+            header.push_str(&line);
+            if length == 0 || is_last(&line) {
+                return Ok(header);
+            }
+        }
     }
 
     /// Counts in a header are promises; no memory is spent before the file is known to hold them.

@@ -58,15 +58,17 @@ pub struct G2oEdge {
 /// A vertex gives the motion from its own frame into the world, an edge the motion from the frame
 /// of `j` into that of `i`, both with the quaternion's scalar last, and the 21 numbers at the end
 /// are the upper triangle of the information matrix, row by row, in the order translation,
-/// rotation. Quaternions are brought to unit length. Comments (`#`) and other records, `FIX`,
-/// parameters and landmarks among them, are passed over.
+/// rotation. Quaternions are brought to unit length. Comments (from `#` to the end of the line) and
+/// records of other things, `FIX` and parameters among them, are passed over. Vertices and edges of
+/// any other kind, landmarks among them, are refused: without them the graph would be another one.
 ///
 /// Edges may name vertices that the file does not list.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for a wrong count
-/// of numbers, numbers that are not finite, a zero quaternion, an id given twice, a line that is no
-/// g2o record, or a record of a two-dimensional graph.
+/// of numbers, numbers that are not finite, a quaternion whose length is off 1 by more than 0.01, an
+/// id given twice, a line that is no g2o record, or a vertex or an edge of another kind.
+/// [`Error::Malformed`] also if the file has neither a vertex nor an edge.
 ///
 /// # Example
 /// ```
@@ -100,6 +102,10 @@ pub fn read_g2o(path: impl AsRef<Path>) -> Result<G2o, Error> {
             other => check_skippable(&line, other)?,
         }
     }
+    if graph.vertices.is_empty() && graph.edges.is_empty() {
+        let reason = format!("no record {VERTEX} or {EDGE}");
+        return Err(Error::malformed(path, reason));
+    }
     Ok(graph)
 }
 
@@ -109,7 +115,7 @@ fn vertex(mut line: Line, ids: &mut BTreeSet<usize>) -> Result<G2oVertex, Error>
         return Err(line.error(format!("vertex {id} is given a second time")));
     }
     let world_from_vertex = motion(&mut line)?;
-    line.end()?;
+    line.end_or_comment()?;
     Ok(G2oVertex {
         id,
         world_from_vertex,
@@ -121,7 +127,7 @@ fn edge(mut line: Line) -> Result<G2oEdge, Error> {
     let j = line.index("the second vertex of the edge")?;
     let i_from_j = motion(&mut line)?;
     let information = symmetric(line.numbers("the information matrix")?);
-    line.end()?;
+    line.end_or_comment()?;
     Ok(G2oEdge {
         i,
         j,
@@ -149,21 +155,34 @@ fn upper_entries() -> impl Iterator<Item = (usize, usize)> {
     (0..6).flat_map(|row| (row..6).map(move |column| (row, column)))
 }
 
+/// Refuses what is no record, and vertices and edges of another kind: without them the graph would
+/// be another one.
 fn check_skippable(line: &Line, record: &str) -> Result<(), Error> {
-    let planar = record.contains("SE2") || matches!(record, "VERTEX_XY" | "VERTEX2" | "EDGE2");
-    if planar {
+    let part_of_a_name = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || "_:".contains(c);
+    if record.starts_with("VERTEX") || record.starts_with("EDGE") {
+        let kind = kind_of_graph(record);
         return Err(line.error(format!(
-            "{record} belongs to a two-dimensional graph; only {VERTEX} and {EDGE} are supported"
+            "{record} belongs to {kind}; only {VERTEX} and {EDGE} are supported"
         )));
     }
-    let part_of_a_name = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || "_:".contains(c);
     if !record.chars().all(part_of_a_name) {
         return Err(line.error(format!("{record:?} is no g2o record")));
     }
     Ok(())
 }
 
+fn kind_of_graph(record: &str) -> &'static str {
+    let planar = record.contains("SE2") || matches!(record, "VERTEX_XY" | "VERTEX2" | "EDGE2");
+    if planar {
+        "a two-dimensional graph"
+    } else {
+        "another kind of graph"
+    }
+}
+
 /// Writes a pose graph in the format that [`read_g2o`] describes. Numbers carry all their digits.
+///
+/// A graph without vertices and edges gives an empty file, which [`read_g2o`] refuses.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be written; then it is as it was before.
@@ -251,7 +270,7 @@ mod tests {
     #[test]
     fn other_records_and_comments_are_passed_over() {
         let text = "# comment\nFIX 0\nPARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\n\
-                    VERTEX_TRACKXYZ 7 1 2 3\nVERTEX_SE3:QUAT 0 1 2 3 0 0 0 1\n";
+                    FIX 0 # why\nVERTEX_SE3:QUAT 0 1 2 3 0 0 0 1 # origin\n";
         let graph = read(text).unwrap();
         assert_eq!((graph.vertices.len(), graph.edges.len()), (1, 0));
     }
@@ -265,11 +284,43 @@ mod tests {
     }
 
     #[test]
+    fn records_of_other_graphs_are_refused_by_name() {
+        for record in [
+            "VERTEX3",
+            "EDGE3",
+            "VERTEX2",
+            "EDGE2",
+            "VERTEX_SE3:EULER",
+            "EDGE_SE3:EULER",
+            "VERTEX_SIM3:QUAT",
+            "EDGE_SIM3:QUAT",
+            "VERTEX_TRACKXYZ",
+            "EDGE_SE3_TRACKXYZ",
+            "EDGE_SE3:quat",
+        ] {
+            let good = "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 1";
+            let said = complaint(&format!("{good}\n{record} 0 1 2 3 0 0 0\n"));
+            assert!(
+                said.contains(&format!("graph.g2o:2: {record} belongs to ")),
+                "{said}"
+            );
+        }
+    }
+
+    #[test]
+    fn files_without_a_supported_record_are_refused() {
+        for text in ["", "# comment\n\n", "HELLO WORLD", "FIX 0\n"] {
+            let said = complaint(text);
+            assert!(said.contains("graph.g2o: no record VERTEX_SE3"), "{said}");
+        }
+    }
+
+    #[test]
     fn each_fault_names_its_line() {
         let good = "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 1";
         for (bad, reason) in [
             (good, "vertex 0 is given a second time"),
-            ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0 0", "stands for no rotation"),
+            ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0 0", "length 0 is no rotation"),
             ("VERTEX_SE3:QUAT 1 1 2 inf 0 0 0 1", "not a finite number"),
             ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0", "number 7 of 7 of the pose"),
             ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0 1 5", "\"5\" follows"),

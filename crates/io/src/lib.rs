@@ -20,9 +20,13 @@
 //! * Quaternions are written vector first, scalar last: `qx qy qz qw`.
 //!
 //! # What to rely on
-//! * A file that is empty, foreign, cut off or false about its size gives an [`Error`] that names
-//!   the file, the line where there is one, and the reason. It causes no panic, and memory is
-//!   reserved only for what the file can hold.
+//! * A file that is foreign, or cut off or false about its size where the format tells a size, gives
+//!   an [`Error`] that names the file, the line where there is one, and the reason. No file causes a
+//!   panic, and memory is reserved only for what the file can hold.
+//! * An empty file is no point cloud, no matrix and no pose graph, hence an [`Error`]. Files of poses
+//!   and of benchmark pairs are lists without a header: an empty one is read as no entries.
+//! * Text cannot tell all cuts: one between two entries of a list, or within the last number of the
+//!   file, goes unnoticed.
 //! * Writers fill a hidden temporary file beside the target and rename it: a result is complete or
 //!   absent. A link at the target's place is replaced, not followed.
 //! * Numbers in text are written with all the digits that bring the same `f64` back.
@@ -40,6 +44,7 @@ mod ply;
 mod points;
 mod poses;
 mod rigid;
+mod rows;
 mod text;
 
 pub use benchmark::{InfoEntry, LogEntry, read_gt_info, read_gt_log, write_gt_log};

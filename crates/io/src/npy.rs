@@ -36,8 +36,9 @@ pub struct Descriptors {
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is empty, foreign or cut
-/// off, or holds another number of dimensions or another type; the message tells which. The file is
-/// checked before memory is reserved, so a false shape in the header is an error too.
+/// off, or holds another number of dimensions or another type, or rows without columns; the message
+/// tells which. The file is checked before memory is reserved, so a false shape in the header is an
+/// error too.
 ///
 /// # Example
 /// ```
@@ -140,6 +141,10 @@ fn matrix_shape(path: &Path, header: &NpyHeader) -> Result<(usize, usize), Error
     if let &[rows, columns] = shape
         && let (Ok(rows), Ok(columns)) = (rows.try_into(), columns.try_into())
     {
+        if columns == 0 && rows > 0 {
+            let reason = format!("the array has {rows} rows but no columns");
+            return Err(Error::malformed(path, reason));
+        }
         return Ok((rows, columns));
     }
     let reason = format!("the array has shape {shape:?}, not that of a matrix");
@@ -240,11 +245,10 @@ pub fn read_descriptors(path: impl AsRef<Path>) -> Result<Descriptors, Error> {
     let path = path.as_ref();
     let matrix = read_npy_matrix(path)?;
     if matrix.columns == 0 {
-        let reason = format!(
-            "descriptors need columns, but the array is {} x 0",
-            matrix.rows
-        );
-        return Err(Error::malformed(path, reason));
+        return Err(Error::malformed(
+            path,
+            "descriptors need columns, but the array is 0 x 0",
+        ));
     }
     Ok(Descriptors {
         dimension: matrix.columns,
@@ -381,9 +385,23 @@ mod tests {
             said.contains("keypoints are n x 3, but the array is 1 x 4"),
             "{said}"
         );
-        let (_folder, path) = file(&npy(&header("<f4", "False", "5, 0"), &[]));
+        let (_folder, path) = file(&npy(&header("<f4", "False", "0, 0"), &[]));
         let said = read_descriptors(&path).unwrap_err().to_string();
-        assert!(said.contains("the array is 5 x 0"), "{said}");
+        assert!(said.contains("the array is 0 x 0"), "{said}");
+    }
+
+    #[test]
+    fn rows_without_columns_are_refused_at_once() {
+        for order in ["False", "True"] {
+            for rows in ["5", "999999999999"] {
+                let content = npy(&header("<f4", order, &format!("{rows}, 0")), &[]);
+                let said = complaint(&content);
+                assert!(
+                    said.contains(&format!("{rows} rows but no columns")),
+                    "{said}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -1,18 +1,20 @@
 //! Points in the format of the Point Cloud Library.
 
-use std::io::{Read, Seek};
+use std::io::Read;
 use std::path::Path;
 
-use pcd_rs::{DataKind, DynReader, Field, FieldDef, PcdMeta};
+use pcd_rs::{DataKind, DynReader, Field, FieldDef, PcdMeta, ValueKind};
 
 use crate::bytes::Source;
+use crate::rows::{self, Rows};
 use crate::{Error, PointFile};
 
 /// Reads the points of a PCD file.
 ///
 /// All three encodings of the versions 0.5 to 0.7 are read: ascii, binary and binary_compressed.
 /// There must be the fields `x`, `y` and `z`, each one float or double; other fields are passed
-/// over. Coordinates are in the unit and the frame of the file; the viewpoint is not applied.
+/// over, and in ascii need not be numbers. Coordinates are in the unit and the frame of the file;
+/// the viewpoint is not applied.
 /// Points with a coordinate that is not finite are left out and counted, see [`PointFile`].
 ///
 /// # Errors
@@ -37,33 +39,91 @@ use crate::{Error, PointFile};
 pub fn read_pcd(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     let path = path.as_ref();
     let mut source = Source::open(path, "PCD", b"")?;
-    let header = PcdMeta::from_reader(&mut source.reader);
+    let text = plain_header(&source.header(is_last_line)?);
+    let header = PcdMeta::from_reader(text.as_bytes());
     let header = header.map_err(|error| Error::parser(path, None, "no PCD header", error))?;
     let axes = coordinate_fields(path, &header)?;
     check_size(&mut source, &header)?;
+    match header.data {
+        DataKind::Ascii => read_ascii(source, &header, text.lines().count() + 1),
+        DataKind::Binary | DataKind::BinaryCompressed => read_binary(source, &text, axes),
+    }
+}
 
-    source.reader.rewind().map_err(Error::io("read", path))?;
-    let records = DynReader::from_reader(source.reader);
+/// Whether the line ends the header.
+fn is_last_line(line: &str) -> bool {
+    let first = line.split_ascii_whitespace().next();
+    first.is_some_and(|word| word.eq_ignore_ascii_case("DATA"))
+}
+
+/// The header with the kind of data in lower case, since the parser knows only that.
+fn plain_header(header: &str) -> String {
+    let plain = |line: &str| match is_last_line(line) {
+        true => line.to_ascii_lowercase() + "\n",
+        false => line.to_owned() + "\n",
+    };
+    header.lines().map(plain).collect()
+}
+
+fn read_binary(source: Source, header: &str, axes: [usize; 3]) -> Result<PointFile, Error> {
+    let path = source.path;
+    let records = DynReader::from_reader(header.as_bytes().chain(source.reader));
     let records = records.map_err(|error| Error::parser(path, None, "points", error))?;
+    let num_points = records.meta().num_points;
     let mut scan = PointFile::default();
     for (row, record) in (1..).zip(records) {
-        let context = || format!("point {row} of {}", header.num_points);
+        let context = || format!("point {row} of {num_points}");
         let record = record.map_err(|error| Error::parser(path, None, &context(), error))?;
         scan.push(axes.map(|axis| coordinate(&record.0[axis])));
     }
     Ok(scan)
 }
 
+/// The points of text that starts at line `first_line`; only coordinates need be numbers.
+fn read_ascii(source: Source, header: &PcdMeta, first_line: usize) -> Result<PointFile, Error> {
+    let num_points = header.num_points;
+    let mut rows = Rows::new(source, first_line);
+    let mut scan = PointFile::default();
+    for row in 1..=num_points {
+        let content = rows.next(|| format!("{num_points} points"))?;
+        let point = row_coordinates(content, header)
+            .map_err(|reason| rows.error(format!("point {row} of {num_points}: {reason}")))?;
+        scan.push(point);
+    }
+    Ok(scan)
+}
+
+fn row_coordinates(row: &str, header: &PcdMeta) -> Result<[f64; 3], String> {
+    let mut words = row.split_ascii_whitespace();
+    let mut coordinates = [0.0; 3];
+    for field in &header.field_defs {
+        for _ in 0..field.count {
+            let missing = || format!("field {:?} is missing", field.name);
+            let word = words.next().ok_or_else(missing)?;
+            if let Some(axis) = AXES.iter().position(|name| *name == field.name) {
+                let single = field.kind == ValueKind::F32;
+                coordinates[axis] = rows::coordinate(&field.name, word, single)?;
+            }
+        }
+    }
+    match words.next() {
+        None => Ok(coordinates),
+        Some(word) => Err(format!("{word:?} follows the last field")),
+    }
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// Places of `x`, `y`, `z` in a record.
 fn coordinate_fields(path: &Path, header: &PcdMeta) -> Result<[usize; 3], Error> {
     // Records leave out the padding.
     let fields = || header.field_defs.iter().filter(|field| !field.is_padding());
     let is_axis = |field: &FieldDef, name| {
-        let float = matches!(field.kind, pcd_rs::ValueKind::F32 | pcd_rs::ValueKind::F64);
+        let float = matches!(field.kind, ValueKind::F32 | ValueKind::F64);
         field.name == name && field.count == 1 && float
     };
     let mut axes = [0; 3];
-    for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
+    for (axis, name) in axes.iter_mut().zip(AXES) {
         *axis = fields()
             .position(|field| is_axis(field, name))
             .ok_or_else(|| {
@@ -109,12 +169,14 @@ fn check_compressed_size(
     source.expect_left(Some(8), announced)?;
     let mut sizes = [0; 8];
     let read = source.reader.read_exact(&mut sizes);
-    read.map_err(Error::io("read", source.path))?;
+    let back = read.and_then(|()| source.reader.seek_relative(-8));
+    back.map_err(Error::io("read", source.path))?;
     let [a, b, c, d, e, f, g, h] = sizes;
     let packed = u64::from(u32::from_le_bytes([a, b, c, d]));
     let unpacked = u64::from(u32::from_le_bytes([e, f, g, h]));
 
-    source.expect_left(Some(packed), &format!("{announced} in {packed} bytes"))?;
+    let needed = Some(8 + packed);
+    source.expect_left(needed, &format!("{announced} in {packed} bytes"))?;
     // LZF makes at most 264 bytes of three.
     if binary != Some(unpacked) || unpacked > 88 * packed {
         return Err(Error::malformed(
@@ -235,6 +297,58 @@ mod tests {
         assert_eq!(read(text).unwrap().points, [[1.0, 2.0, 3.0].into()]);
     }
 
+    const LABELLED: &str = "VERSION .7\nFIELDS x label y z\nSIZE 4 4 4 8\nTYPE F U F F\n\
+                            COUNT 1 1 1 1\nWIDTH 3\nHEIGHT 1\nPOINTS 3\nDATA ascii\n";
+
+    #[test]
+    fn only_coordinates_must_be_numbers_in_ascii() {
+        let body = "1 nan 2 3\n\n4 -1 5 0.1\n \n7 8.5 9 1.#QNAN\n";
+        for spelling in ["DATA ascii", "DATA ASCII", "# some\nData Ascii"] {
+            let header = LABELLED.replace("DATA ascii", spelling);
+            let scan = read(header + body).unwrap();
+            let expected = [[1.0, 2.0, 3.0].into(), [4.0, 5.0, 0.1].into()];
+            assert_eq!((scan.points, scan.invalid), (expected.to_vec(), 1));
+        }
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_in_a_comment_are_passed_over() {
+        let rows = b"1 0 2 3\n1 0 2 3\n1 0 2 3";
+        let content = [b"# Andr\xe9\n", LABELLED.as_bytes(), rows].concat();
+        assert_eq!(read(content).unwrap().points.len(), 3);
+    }
+
+    #[test]
+    fn binary_kinds_of_data_may_be_in_capitals() {
+        for (kind, line) in [
+            (DataKind::Binary, "DATA binary\n"),
+            (DataKind::BinaryCompressed, "DATA binary_compressed\n"),
+        ] {
+            let good = rich(kind, 20);
+            let mut windows = good.windows(line.len());
+            let place = windows.position(|window| window == line.as_bytes());
+            let mut content = good.clone();
+            content[place.unwrap()..][..line.len()].make_ascii_uppercase();
+            assert_eq!(read(content).unwrap(), read(good).unwrap());
+        }
+    }
+
+    #[test]
+    fn faulty_rows_are_named_with_their_line() {
+        for (row, reason) in [
+            ("1 0 2", "field \"z\" is missing"),
+            ("1 0 2 3 4", "\"4\" follows the last field"),
+            ("1 0 b 3", "\"y\" is \"b\", not a number"),
+            ("", "announces 3 points, but the file ends before"),
+        ] {
+            let said = complaint(format!("{LABELLED}1.25 0 2.25 3.25\n\n{row}"));
+            assert!(
+                said.contains("scan.pcd:12: ") && said.contains(reason),
+                "{said}"
+            );
+        }
+    }
+
     #[test]
     fn faults_are_named() {
         let text = PADDED.replace("binary", "ascii");
@@ -254,7 +368,10 @@ mod tests {
                 two.clone() + "1 9 9 9 9 2 3\n4 9 9 9 9 5\n",
                 "point 2 of 2: ",
             ),
-            (two.clone() + "1 9 9 9 9 2 3\n", "point 2 of 2: "),
+            (
+                two.clone() + "1 9 9 9 9 2 3\n",
+                "announces 2 points, but the file ends before",
+            ),
             (
                 two + "1 9 9 9\n",
                 "announces 2 points, but only 8 bytes follow",

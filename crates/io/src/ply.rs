@@ -2,6 +2,7 @@
 
 mod ascii;
 mod binary;
+mod header;
 
 use std::path::Path;
 
@@ -16,8 +17,8 @@ use crate::{Error, PointFile};
 /// Reads the vertices of a PLY file.
 ///
 /// All three encodings are read: ascii, binary little and big endian. The element `vertex` must
-/// have the scalar properties `x`, `y` and `z`, of any number type; its other properties and all
-/// other elements are passed over. Coordinates are in the unit and the frame of the file. Vertices
+/// have the scalar properties `x`, `y` and `z`, of any number type; its other properties, whatever
+/// their names, and all other elements are passed over. Coordinates are in the unit and the frame of the file. Vertices
 /// with a coordinate that is not finite are left out and counted, see [`PointFile`].
 ///
 /// # Errors
@@ -39,7 +40,8 @@ use crate::{Error, PointFile};
 /// ```
 pub fn read_ply(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     let mut source = Source::open(path.as_ref(), "PLY", b"ply")?;
-    let mut reader = Reader::new(&mut source.reader);
+    let plain_header = header::plain(&source.header(header::is_last_line)?);
+    let mut reader = Reader::new(plain_header.as_bytes());
     let header = Parser::<DefaultElement>::new().read_header(&mut reader);
     let header = header.map_err(|error| Error::parser(source.path, None, "header", error))?;
     let first_line = reader.line();
@@ -163,6 +165,62 @@ mod tests {
         assert_eq!(read(rich_binary(true)).unwrap().points, expected);
     }
 
+    const ODD_NAMES: [&str; 7] = [
+        "scalar_C2C_absolute_distances[<1]",
+        "scalar_Gaussian_curvature_(0.1)",
+        "scalar_dip.x",
+        "scalar_R/G",
+        "scalar_a#",
+        "höhe",
+        "höhe",
+    ];
+
+    /// A header with a property of each odd name around the coordinates, a byte that is no text
+    /// and blank lines.
+    fn odd_header(encoding: &str, line_end: &str) -> Vec<u8> {
+        let odd = ODD_NAMES.map(|name| format!("property float {name}\n"));
+        let (before, after) = odd.split_at(3);
+        let header = format!(
+            "ply\nformat {encoding} 1.0\ncomment by Andr?\n\nobj_info ?\nelement vertex 2\n{}{XYZ}\n{}\
+             element face 0\nproperty list uchar int vertex.indices\nend_header\n",
+            before.concat(),
+            after.concat()
+        );
+        let latin_1 = |byte| if byte == b'?' { 0xe9 } else { byte };
+        let header = header.replace('\n', line_end).into_bytes();
+        header.into_iter().map(latin_1).collect()
+    }
+
+    #[test]
+    fn odd_names_and_lines_in_the_header_are_passed_over() {
+        let expected = [[3.0, 4.0, 5.0].into(), [13.0, 14.0, 15.0].into()];
+        let numbers = (0..20u8).map(f32::from);
+        let big: Vec<u8> = numbers.clone().flat_map(f32::to_be_bytes).collect();
+        let little: Vec<u8> = numbers.flat_map(f32::to_le_bytes).collect();
+        for line_end in ["\n", "\r\n"] {
+            for (encoding, body) in [
+                (
+                    "ascii",
+                    &b"0 nan 2 3 4 5 6 7 8 9\n10 11 12 13 14 15 16 17 18 19"[..],
+                ),
+                ("binary_big_endian", &big),
+                ("binary_little_endian", &little),
+            ] {
+                let scan = read([&odd_header(encoding, line_end), body].concat()).unwrap();
+                assert_eq!(scan.points, expected, "{encoding}");
+            }
+        }
+    }
+
+    #[test]
+    fn errors_below_an_odd_header_name_the_line_of_the_file() {
+        let content = [&odd_header("ascii", "\n"), &b"0 1 2 3 4 5 6 7 8\n"[..]].concat();
+        let said = complaint(content);
+        assert!(said.contains(":21: property 10 is missing"), "{said}");
+        let said = complaint("ply\n\nformat ascii 1.0\n\nelement vertex\nend_header\n");
+        assert!(said.contains("Line 5"), "{said}");
+    }
+
     #[test]
     fn carriage_returns_and_blank_lines_are_white_space() {
         let content = ascii(2, "0 1 2\n\n   \n3 4 5").replace('\n', "\r\n");
@@ -226,6 +284,13 @@ mod tests {
             let said = complaint(&content);
             assert!(said.contains("scan.ply") && said.contains(reason), "{said}");
         }
+    }
+
+    #[test]
+    fn a_header_without_end_is_refused() {
+        let comments = "comment more\n".repeat(1_000_000);
+        let said = complaint(format!("ply\nformat ascii 1.0\n{comments}"));
+        assert!(said.contains("the header takes 4194304 bytes"), "{said}");
     }
 
     #[test]

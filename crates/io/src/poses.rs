@@ -53,7 +53,7 @@ pub fn write_poses_tum(
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for a row that
-/// has not eight finite numbers or whose quaternion is zero.
+/// has not eight finite numbers or whose quaternion's length is off 1 by more than 0.01.
 pub fn read_poses_tum(path: impl AsRef<Path>) -> Result<Vec<(f64, Isometry3<f64>)>, Error> {
     let path = path.as_ref();
     let text = read_text(path)?;
@@ -106,17 +106,19 @@ pub fn write_poses_3x4(
     })
 }
 
-/// Reads `(scan, world_from_scan)` from rows of 13 numbers as of [`write_poses_3x4`], or of 12,
-/// without the index, as of the KITTI odometry benchmark.
+/// Reads `(scan, world_from_scan)` from rows of 13 numbers as of [`write_poses_3x4`], of 12,
+/// without the index, as of the KITTI odometry benchmark, or of 14, with a second index after the
+/// first.
 ///
-/// Rows without an index are numbered from 0 in the order of the file. Blank lines and lines that
+/// The second index is the connected component of the scan; it must be a whole number and is
+/// otherwise ignored, although poses of different components do not share a world. Rows without an index are numbered from 0 in the order of the file. Blank lines and lines that
 /// start with `#` are passed over. Each 3×3 part is replaced by the nearest rotation, since files
 /// often hold few digits.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for a row that
-/// has neither 12 nor 13 finite numbers, for rows of both kinds in one file, or for a matrix that
-/// is off any rotation by more than 0.01 in an entry.
+/// has not 12, 13 or 14 finite numbers, for rows of different width in one file, or for a matrix
+/// that is off any rotation by more than 0.01 in an entry.
 pub fn read_poses_3x4(path: impl AsRef<Path>) -> Result<Vec<(usize, Isometry3<f64>)>, Error> {
     let path = path.as_ref();
     let text = read_text(path)?;
@@ -137,8 +139,15 @@ fn matrix_row(mut line: Line, row: usize, width: usize) -> Result<(usize, Isomet
         }
         12 => row,
         13 => line.index("the index of the scan")?,
+        14 => {
+            let scan = line.index("the index of the scan")?;
+            line.index("the component of the scan")?;
+            scan
+        }
         _ => {
-            let reason = format!("{words} numbers: a pose has 12, or 13 with its index");
+            let reason = format!(
+                "{words} numbers: a pose has 12, or 13 with its index, or 14 with its component too"
+            );
             return Err(line.error(reason));
         }
     };
@@ -171,6 +180,16 @@ mod tests {
     }
 
     #[test]
+    fn the_component_after_the_index_is_ignored() {
+        let poses = read_text_as_3x4(&format!("4 0 {IDENTITY}\n9 1 {IDENTITY}\n")).unwrap();
+        assert_eq!(
+            poses,
+            [(4, Isometry3::identity()), (9, Isometry3::identity())]
+        );
+        assert!(read_text_as_3x4(&format!("4 0.5 {IDENTITY}\n")).is_err());
+    }
+
+    #[test]
     fn rows_of_different_width_are_refused_with_their_line() {
         let error = read_text_as_3x4(&format!("{IDENTITY}\n3 {IDENTITY}\n")).unwrap_err();
         assert!(
@@ -196,6 +215,7 @@ mod tests {
             "0 1 2 3 0 0 0",
             "0 1 2 3 0 0 0 1 9",
             "0 1 2 3 0 0 0 0",
+            "0 1 2 3 0 0 0 2",
             "0 1 2 nan 0 0 0 1",
         ] {
             fs::write(&path, row).unwrap();

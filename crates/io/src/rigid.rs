@@ -6,11 +6,12 @@ use nalgebra::{
     Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3, Vector4,
 };
 
-/// How far an entry of a written rotation may be from the nearest true one: files are written with
-/// few digits, but a matrix further off was never a rotation.
+/// How far an entry of a written rotation may be from the nearest true one, and the length of a
+/// quaternion from 1: files are written with few digits, but what is further off was never a rotation.
 pub(crate) const ROTATION_TOLERANCE: f64 = 1e-2;
 
-/// The motion of `x y z qx qy qz qw`; the quaternion is brought to unit length.
+/// The motion of `x y z qx qy qz qw`; the quaternion is brought to unit length, and refused if its
+/// length is off by more than [`ROTATION_TOLERANCE`].
 ///
 /// One that has unit length up to rounding is taken as it is, so that what was written with all
 /// digits comes back bit by bit.
@@ -18,12 +19,13 @@ pub(crate) fn from_quaternion_row(row: [f64; 7]) -> Result<Isometry3<f64>, Strin
     let [x, y, z, qx, qy, qz, qw] = row;
     let quaternion = Quaternion::new(qw, qx, qy, qz);
     let length = quaternion.norm();
-    if !(1e-6..1e6).contains(&length) {
+    let excess = (length - 1.0).abs();
+    if excess.is_nan() || excess > ROTATION_TOLERANCE {
         return Err(format!(
-            "a quaternion of length {length:e} stands for no rotation"
+            "a quaternion of length {length} is no rotation within {ROTATION_TOLERANCE}"
         ));
     }
-    let rotation = if (length - 1.0).abs() <= 1e-14 {
+    let rotation = if excess <= 1e-14 {
         UnitQuaternion::new_unchecked(quaternion)
     } else {
         UnitQuaternion::new_normalize(quaternion)
@@ -138,10 +140,20 @@ mod tests {
     }
 
     #[test]
-    fn quaternions_of_any_length_are_normalised() {
-        let motion = from_quaternion_row([0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 2.0]).unwrap();
+    fn rounded_quaternions_are_normalised() {
+        let motion = from_quaternion_row([0.0, 0.0, 0.0, 0.0, 0.0, 0.705, 0.705]).unwrap();
         let quarter_turn =
             UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::FRAC_PI_2);
         assert!(motion.rotation.angle_to(&quarter_turn) < 1e-15);
+    }
+
+    #[test]
+    fn quaternions_far_from_unit_length_are_refused() {
+        for qw in [0.991, 1.009] {
+            assert!(from_quaternion_row([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, qw]).is_ok());
+        }
+        for qw in [0.989, 1.011, 2.0, f64::NAN, f64::INFINITY] {
+            assert!(from_quaternion_row([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, qw]).is_err());
+        }
     }
 }

@@ -79,6 +79,15 @@ impl<'a> Line<'a> {
             Some(word) => Err(self.error(format!("{word:?} follows the last entry"))),
         }
     }
+
+    /// Nothing but a comment may follow.
+    pub(crate) fn end_or_comment(&mut self) -> Result<(), Error> {
+        let next = self.words.clone().next();
+        if next.is_some_and(|word| word.starts_with('#')) {
+            return Ok(());
+        }
+        self.end()
+    }
 }
 
 #[cfg(test)]

@@ -78,7 +78,7 @@ proptest! {
 
     #[test]
     fn a_pose_graph_comes_back(
-        poses in prop::collection::vec(motion(), 0..4),
+        poses in prop::collection::vec(motion(), 1..4),
         edges in prop::collection::vec((0usize..9, 0usize..9, motion(), information()), 0..4),
     ) {
         let vertex = |(k, &world_from_vertex)| G2oVertex { id: 3 * k, world_from_vertex };
@@ -325,6 +325,15 @@ fn an_empty_file_is_no_scan_and_no_matrix() {
             said.contains(name) && said.contains("the file is empty"),
             "{said}"
         );
+    }
+}
+
+#[test]
+fn an_empty_file_is_no_pose_graph_but_an_empty_list() {
+    let (_guard, path) = folder();
+    for (name, read) in &READERS[5..] {
+        fs::write(path(name), "").unwrap();
+        assert_eq!(read(&path(name)).is_err(), *name == "graph.g2o", "{name}");
     }
 }
 

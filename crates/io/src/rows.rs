@@ -1,0 +1,121 @@
+//! Rows of numbers in the text payload of point files.
+//!
+//! Organised clouds are full of `nan`, which programs spell in many ways.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+use crate::Error;
+use crate::bytes::Source;
+
+/// The lines of a payload that are not blank.
+pub(crate) struct Rows<'a> {
+    path: &'a Path,
+    reader: BufReader<File>,
+    number: usize,
+    content: String,
+}
+
+impl<'a> Rows<'a> {
+    /// The rows of what is left of `source`, which goes on with line `first_line` of the file.
+    pub(crate) fn new(source: Source<'a>, first_line: usize) -> Self {
+        Self {
+            path: source.path,
+            reader: source.reader,
+            number: first_line - 1,
+            content: String::new(),
+        }
+    }
+
+    /// The next row; if there is none, `announced` tells what the header promised.
+    pub(crate) fn next(&mut self, announced: impl Fn() -> String) -> Result<&str, Error> {
+        loop {
+            self.content.clear();
+            self.number += 1;
+            match self.reader.read_line(&mut self.content) {
+                Ok(0) => return Err(self.cut_off(&announced())),
+                Ok(_) if self.content.trim_ascii().is_empty() => continue,
+                Ok(_) => return Ok(&self.content),
+                Err(error) => {
+                    let line = Some(self.number);
+                    return Err(Error::parser(self.path, line, "no text", error));
+                }
+            }
+        }
+    }
+
+    fn cut_off(&self, announced: &str) -> Error {
+        self.error(format!(
+            "the header announces {announced}, but the file ends before"
+        ))
+    }
+
+    /// An error in the row that was read last.
+    pub(crate) fn error(&self, reason: impl AsRef<str>) -> Error {
+        Error::malformed_line(self.path, self.number, reason)
+    }
+}
+
+/// The coordinate `name` that the word stands for, rounded as a binary file would have it if it is
+/// of `single` precision.
+pub(crate) fn coordinate(name: &str, word: &str, single: bool) -> Result<f64, String> {
+    let value = if is_nan(word) {
+        Some(f64::NAN)
+    } else if single {
+        word.parse::<f32>().ok().map(f64::from)
+    } else {
+        word.parse().ok()
+    };
+    value.ok_or_else(|| format!("{name:?} is {word:?}, not a number"))
+}
+
+/// Programs print what is no finite number as `nan`, `-nan`, `-nan(ind)`, `1.#QNAN`, `-1.#IND` or
+/// `1.#INF`.
+fn is_nan(word: &str) -> bool {
+    let start = word.trim_start_matches(['-', '+']).get(..3);
+    start.is_some_and(|start| start.eq_ignore_ascii_case("nan") || start == "1.#")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_without_a_value_are_not_finite_in_every_spelling() {
+        for word in [
+            "nan",
+            "NaN",
+            "-nan",
+            "-nan(ind)",
+            "+NAN",
+            "1.#QNAN",
+            "-1.#IND00",
+            "1.#INF",
+            "-1.#INF",
+            "inf",
+            "-Infinity",
+        ] {
+            for single in [false, true] {
+                assert!(
+                    !coordinate("x", word, single).unwrap().is_finite(),
+                    "{word}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn words_that_are_no_numbers_are_named() {
+        for word in ["a", "1,5", "#", "--1", "0x1", "é1"] {
+            let said = coordinate("x", word, true).unwrap_err();
+            assert!(said.contains(word), "{said}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_rounded_to_their_type() {
+        assert_eq!(coordinate("x", "0.1", false).unwrap(), 0.1);
+        assert_eq!(coordinate("x", "0.1", true).unwrap(), f64::from(0.1f32));
+    }
+}
