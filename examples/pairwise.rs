@@ -14,6 +14,7 @@ use clap::Parser;
 use gmpcr_cliques::{CliqueParams, Compatibility, estimate_pose};
 use gmpcr_compatibility::{CompatibilityParams, SpectralFilter};
 use gmpcr_correspondence::{CorrespondenceParams, Descriptors, Keypoints, Scan, correspondences};
+use gmpcr_examples::{positive, report};
 use gmpcr_features::{FeatureParams, describe};
 use gmpcr_io::read_points;
 use gmpcr_sim::{SimParams, simulate};
@@ -30,21 +31,8 @@ struct Arguments {
     voxel: f64,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("a positive number is needed".into()),
-    }
-}
-
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    report(run(&Arguments::parse()))
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {

@@ -21,6 +21,7 @@ use std::time::Instant;
 use clap::{Parser, ValueEnum};
 use gmpcr::sync::History;
 use gmpcr::{Params, Registration, register};
+use gmpcr_examples::{positive, report};
 
 use evaluation::print_evaluation;
 use input::Input;
@@ -114,21 +115,8 @@ impl Preset {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("a positive number is needed".into()),
-    }
-}
-
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    report(run(&Arguments::parse()))
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
