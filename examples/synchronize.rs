@@ -12,11 +12,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 use gmpcr_examples::report;
 use gmpcr_io::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
 use gmpcr_posegraph::{PoseEdge, PoseGraph};
-use gmpcr_sync::{EdgeReport, History, SyncParams, synchronize};
+use gmpcr_sync::{EdgeReport, Method, SyncParams, synchronize};
 use nalgebra::Isometry3;
 
 #[derive(Parser)]
@@ -27,19 +27,13 @@ struct Arguments {
     /// Where to write the graph with the resulting poses.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// How edges are reweighted.
-    #[arg(long, value_enum, default_value_t = Scheme::Adaptive)]
-    history: Scheme,
+    /// adaptive (the paper), no-recovery, sghr, memoryless, eigse3, l1-irls, rotavg-lhalf, rotavg-gm,
+    /// hara or consensus.
+    #[arg(long, default_value = "adaptive")]
+    method: Method,
     /// Reweighting iterations; 0 trusts all edges alike.
     #[arg(long, default_value_t = 10)]
     iterations: usize,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Scheme {
-    Adaptive,
-    Sghr,
-    Memoryless,
 }
 
 fn main() -> ExitCode {
@@ -55,11 +49,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     let params = SyncParams {
         iterations: arguments.iterations,
-        history: match arguments.history {
-            Scheme::Adaptive => History::default(),
-            Scheme::Sghr => History::Sghr,
-            Scheme::Memoryless => History::Memoryless,
-        },
+        method: arguments.method,
         ..SyncParams::default()
     };
 

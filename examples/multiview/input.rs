@@ -1,7 +1,7 @@
 //! Scans from files or from the simulator, with the truth where it is known.
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use gmpcr::features::FeatureParams;
@@ -9,8 +9,8 @@ use gmpcr::nalgebra::{Isometry3, Point3};
 use gmpcr::{Descriptors, Scan, describe_clouds};
 use gmpcr_eval::GroundTruthPair;
 use gmpcr_io::{
-    descriptor_files, read_descriptors, read_gt_info, read_gt_log, read_keypoints, read_points,
-    scan_files,
+    DescriptorFiles, Layout, PairList, Scene, SceneScan, SceneTruth, read_descriptors,
+    read_keypoints, read_points, read_scene,
 };
 use gmpcr_sim::{RoomParams, SimParams, SimulatedScans, overlapping_points, simulate};
 
@@ -72,35 +72,74 @@ impl Input {
         descriptors: Option<&Path>,
         voxel: f64,
     ) -> Result<Self, Box<dyn Error>> {
-        let start = Instant::now();
-        let mut clouds = Vec::new();
-        let files = scan_files(folder)?;
-        for file in &files {
-            let read = read_points(file)?;
-            if read.invalid > 0 {
-                println!(
-                    "{}: {} points that are not finite left out",
-                    file.display(),
-                    read.invalid
-                );
-            }
-            clouds.push(read.points);
+        let mut scene = match Layout::of(folder)? {
+            Some(layout) => read_scene(folder, layout)?,
+            None => Scene::of_clouds(folder)?,
+        };
+        if let Some(folder) = descriptors {
+            scene.attach_descriptors(folder)?;
         }
-        println!(
-            "read {} scans in {:.2} s",
-            clouds.len(),
-            start.elapsed().as_secs_f64()
-        );
-        let scans = match descriptors {
-            Some(folder) => learned_scans(folder, &files)?,
+        let clouds = read_clouds(&scene)?;
+        let scans = match learned_scans(&scene.scans)? {
+            Some(scans) => scans,
             None => fpfh_scans(&clouds, voxel)?,
         };
         Ok(Self {
             clouds,
             scans,
-            truth: read_truth(folder)?,
+            truth: Truth::of(scene.truth),
         })
     }
+}
+
+impl Truth {
+    fn of(truth: SceneTruth) -> Self {
+        let [matches, lo_matches] =
+            ["3dmatch", "3dlomatch"].map(|name| truth.match_list(name).and_then(benchmark_pairs));
+        Self {
+            matches: matches.zip(lo_matches).map(<[_; 2]>::from),
+            world_from_scan: truth
+                .world_from_scan
+                .and_then(|poses| poses.into_iter().collect()),
+        }
+    }
+}
+
+fn benchmark_pairs(list: &PairList) -> Option<Vec<GroundTruthPair>> {
+    let information = list.information.as_ref()?;
+    let pairs = list.pairs.iter().zip(information);
+    let pairs = pairs.map(|(pair, &information)| GroundTruthPair {
+        i: pair.i,
+        j: pair.j,
+        i_from_j: pair.i_from_j,
+        information,
+    });
+    Some(pairs.collect())
+}
+
+fn read_clouds(scene: &Scene) -> Result<Vec<Vec<Point3<f64>>>, Box<dyn Error>> {
+    let start = Instant::now();
+    let mut clouds = Vec::new();
+    for scan in &scene.scans {
+        let Some(file) = &scan.cloud else {
+            return Err(format!("{} has descriptors but no clouds", scene.folder.display()).into());
+        };
+        let read = read_points(file)?;
+        if read.invalid > 0 {
+            println!(
+                "{}: {} points that are not finite left out",
+                file.display(),
+                read.invalid
+            );
+        }
+        clouds.push(read.points);
+    }
+    println!(
+        "read {} scans in {:.2} s",
+        clouds.len(),
+        start.elapsed().as_secs_f64()
+    );
+    Ok(clouds)
 }
 
 fn fpfh_scans(clouds: &[Vec<Point3<f64>>], voxel: f64) -> Result<Vec<Scan>, Box<dyn Error>> {
@@ -113,77 +152,18 @@ fn fpfh_scans(clouds: &[Vec<Point3<f64>>], voxel: f64) -> Result<Vec<Scan>, Box<
     Ok(scans)
 }
 
-fn learned_scans(folder: &Path, clouds: &[PathBuf]) -> Result<Vec<Scan>, Box<dyn Error>> {
-    let files = descriptor_files(folder)?;
-    let folder = folder.display();
-    if files.len() != clouds.len() {
-        let (sets, scans) = (files.len(), clouds.len());
-        return Err(format!("{folder}: {sets} descriptor sets for {scans} scans").into());
-    }
-    for (files, cloud) in files.iter().zip(clouds) {
-        let stem = cloud
-            .file_stem()
-            .map(|stem| stem.to_string_lossy().into_owned());
-        if stem.as_deref().map(trailing_number) != Some(trailing_number(&files.name)) {
-            let cloud = cloud.display();
-            return Err(format!(
-                "{folder}: descriptors {} stand where {cloud} has its turn",
-                files.name
-            )
-            .into());
-        }
-    }
-    let scan = |files: &gmpcr_io::DescriptorFiles| -> Result<Scan, Box<dyn Error>> {
-        let read = read_descriptors(&files.descriptors)?;
-        let named = |error: &dyn Error| format!("{}: {error}", files.descriptors.display());
-        let descriptors = Descriptors::new(read.values, read.dimension).map_err(|e| named(&e))?;
-        Ok(Scan::new(read_keypoints(&files.keypoints)?, descriptors).map_err(|e| named(&e))?)
-    };
-    files.iter().map(scan).collect()
+/// Scans of learned descriptors, if all have some.
+fn learned_scans(scans: &[SceneScan]) -> Result<Option<Vec<Scan>>, Box<dyn Error>> {
+    let files: Option<Vec<_>> = scans.iter().map(|scan| scan.descriptors.as_ref()).collect();
+    let read = files.map(|files| files.into_iter().map(learned_scan).collect());
+    read.transpose()
 }
 
-/// The digits at the end of a name, by which clouds and descriptors belong together.
-fn trailing_number(name: &str) -> Option<usize> {
-    let start = name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-    name[start..].parse().ok()
-}
-
-/// The benchmark's pairs where they lie beside the scans.
-fn read_truth(folder: &Path) -> Result<Truth, Box<dyn Error>> {
-    let names = ["official_3dmatch", "official_3dlomatch"].map(|name| folder.join(name));
-    let is_present = |extension| {
-        names
-            .iter()
-            .all(|name| name.with_extension(extension).is_file())
-    };
-    if !is_present("log") || !is_present("info") {
-        return Ok(Truth::default());
-    }
-    let [matches, lo_matches] = names.map(|name| benchmark_pairs(&name));
-    Ok(Truth {
-        matches: Some([matches?, lo_matches?]),
-        world_from_scan: None,
-    })
-}
-
-fn benchmark_pairs(name: &Path) -> Result<Vec<GroundTruthPair>, Box<dyn Error>> {
-    let log = read_gt_log(name.with_extension("log"))?;
-    let info = read_gt_info(name.with_extension("info"))?;
-    let is_same = log.len() == info.len()
-        && log
-            .iter()
-            .zip(&info)
-            .all(|(log, info)| (log.i, log.j) == (info.i, info.j));
-    if !is_same {
-        return Err(format!("{}: .log and .info list different pairs", name.display()).into());
-    }
-    let pair = |(log, info): (&gmpcr_io::LogEntry, &gmpcr_io::InfoEntry)| GroundTruthPair {
-        i: log.i,
-        j: log.j,
-        i_from_j: log.i_from_j,
-        information: info.information,
-    };
-    Ok(log.iter().zip(&info).map(pair).collect())
+fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Box<dyn Error>> {
+    let read = read_descriptors(&files.descriptors)?;
+    let named = |error: &dyn Error| format!("{}: {error}", files.descriptors.display());
+    let descriptors = Descriptors::new(read.values, read.dimension).map_err(|e| named(&e))?;
+    Ok(Scan::new(read_keypoints(&files.keypoints)?, descriptors).map_err(|e| named(&e))?)
 }
 
 /// All pairs of simulated scans that overlap, in the classes of 3DMatch and 3DLoMatch.

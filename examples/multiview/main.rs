@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
-use gmpcr::sync::History;
+use gmpcr::sync::Method;
 use gmpcr::{Params, Registration, register};
 use gmpcr_examples::{positive, report};
 
@@ -52,9 +52,10 @@ struct Arguments {
     /// Neighbours that each scan proposes as edges, instead of the preset's.
     #[arg(long)]
     neighbors: Option<usize>,
-    /// How edges are reweighted, instead of the preset's adaptive history.
-    #[arg(long, value_enum)]
-    history: Option<Scheme>,
+    /// How edges are synchronised, instead of the preset's adaptive history: no-recovery, sghr,
+    /// memoryless, eigse3, l1-irls, rotavg-lhalf, rotavg-gm, hara or consensus.
+    #[arg(long)]
+    method: Option<Method>,
     /// Where to write merged.ply, poses.txt, poses.tum, edges.csv and posegraph.g2o.
     #[arg(long, default_value = "out", value_name = "DIR")]
     out: PathBuf,
@@ -81,19 +82,11 @@ impl Arguments {
         if let Some(neighbors) = self.neighbors {
             params.posegraph.neighbors = neighbors;
         }
-        match self.history {
-            Some(Scheme::Sghr) => params.sync.history = History::Sghr,
-            Some(Scheme::Memoryless) => params.sync.history = History::Memoryless,
-            None => {}
+        if let Some(method) = self.method {
+            params.sync.method = method;
         }
         params
     }
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Scheme {
-    Sghr,
-    Memoryless,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

@@ -23,13 +23,42 @@ pub enum Error {
         scan: usize,
     },
     /// Two lists that belong together differ in length.
-    #[error("{expected} {what} are needed, one per scan, but there are {found}")]
+    #[error("{expected} {what} are needed, but there are {found}")]
     LengthMismatch {
         /// What the second list holds.
         what: &'static str,
-        /// Its expected length.
+        /// Its expected length: that of the first.
         expected: usize,
         /// Its length.
         found: usize,
     },
+    /// A value that has to be ranked or averaged is not a number.
+    #[error("{what}[{index}] is not a number")]
+    NotANumber {
+        /// What the list holds.
+        what: &'static str,
+        /// Place of the first such value, from 0.
+        index: usize,
+    },
+}
+
+/// `Ok` where a list of `what` has the length of the one that it belongs to.
+pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) -> Result<(), Error> {
+    if expected == found {
+        Ok(())
+    } else {
+        Err(Error::LengthMismatch {
+            what,
+            expected,
+            found,
+        })
+    }
+}
+
+/// `Ok` where no value is NaN; infinities pass.
+pub(crate) fn check_numbers(what: &'static str, values: &[f64]) -> Result<(), Error> {
+    match values.iter().position(|value| value.is_nan()) {
+        Some(index) => Err(Error::NotANumber { what, index }),
+        None => Ok(()),
+    }
 }

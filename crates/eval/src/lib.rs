@@ -9,9 +9,14 @@
 //! | share of registered pairs, 3DMatch and 3DLoMatch | [`registration_recall`], [`pairwise_recall`], [`Protocol`] |
 //! | the same for scenes without official matrices | [`information_matrix`], [`registration_error`] |
 //! | recall of many scenes | [`mean_recall`], [`pooled_recall`] |
+//! | mean and deviation of repeated runs | [`Spread`] |
 //! | rotation and translation errors of relative motions | [`pose_error`], [`PairErrors`] |
 //! | tables of shares under thresholds | [`PairErrors::scannet_shares`], [`PairErrors::recall`] |
-//! | errors of absolute poses | [`absolute_errors`] |
+//! | errors of absolute poses | [`absolute_errors`], [`Gauge`] |
+//! | do the most confident neighbours overlap most, R@K and Regret | [`retrieval`], [`mean_retrieval`] |
+//! | do the chosen pairs connect the scans | [`ConnectivitySummary`] |
+//! | does a score tell inliers from outliers | [`auc`] |
+//! | does the overlap grow with the confidence | [`overlap_deciles`], [`DecileSummary`] |
 //!
 //! ```
 //! use gmpcr_eval::{GroundTruthPair, Protocol, RotationSign, WorldPoses, registration_recall};
@@ -36,26 +41,34 @@
 //! count.
 
 mod absolute;
+mod connectivity;
 mod error;
+mod evidence;
 mod information;
 mod outcome;
 mod pair_errors;
 mod pooling;
 mod pose_error;
 mod recall;
+mod retrieval;
 mod shares;
+mod spread;
 mod truth;
 mod world;
 
-pub use absolute::absolute_errors;
+pub use absolute::{Gauge, absolute_errors};
+pub use connectivity::ConnectivitySummary;
 pub use error::Error;
+pub use evidence::{DecileSummary, OverlapDeciles, SceneMean, auc, overlap_deciles};
 pub use information::{RotationSign, information_matrix, registration_error};
 pub use outcome::{Outcome, PairOutcome, Recall};
 pub use pair_errors::{PairError, PairErrors};
-pub use pooling::{mean_recall, pooled_recall};
+pub use pooling::{mean_recall, mean_retrieval, pooled_recall};
 pub use pose_error::{PoseError, pose_error};
 pub use recall::{Protocol, RECALL_DISTANCE, pairwise_recall, registration_recall};
+pub use retrieval::{Retrieval, retrieval};
 pub use shares::{SCANNET_DEGREES, SCANNET_METRES, ThresholdShares};
+pub use spread::Spread;
 pub use truth::GroundTruthPair;
 pub use world::WorldPoses;
 

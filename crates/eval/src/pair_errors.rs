@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use crate::error::Error;
+use crate::error::{Error, check_length};
 use crate::pose_error::{PoseError, pose_error};
 use crate::shares::{
     RECALL_DEGREES, RECALL_METRES, SCANNET_DEGREES, SCANNET_METRES, ThresholdShares,
@@ -88,15 +88,9 @@ impl PairErrors {
         true_world_from_scan: &[Isometry3<f64>],
         poses: &WorldPoses,
     ) -> Result<Self, Error> {
-        let (expected, found) = (poses.num_scans(), true_world_from_scan.len());
-        if expected != found {
-            return Err(Error::LengthMismatch {
-                what: "true poses",
-                expected,
-                found,
-            });
-        }
-        let all = (0..found).flat_map(|i| (i + 1..found).map(move |j| (i, j)));
+        let num_scans = poses.num_scans();
+        check_length("true poses", num_scans, true_world_from_scan.len())?;
+        let all = (0..num_scans).flat_map(|i| (i + 1..num_scans).map(move |j| (i, j)));
         let pairs = all.map(|(i, j)| {
             let truth = true_world_from_scan[i].inv_mul(&true_world_from_scan[j]);
             let error = poses

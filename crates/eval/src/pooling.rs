@@ -1,6 +1,7 @@
 //! One number for many scenes.
 
 use crate::outcome::Recall;
+use crate::retrieval::Retrieval;
 
 /// Mean of the scenes' recalls, each scene weighing the same, as 3DMatch tables report it.
 /// Scenes where no pair counts are left out; `None` where that leaves none.
@@ -15,8 +16,7 @@ use crate::outcome::Recall;
 /// ```
 #[must_use]
 pub fn mean_recall(scenes: &[Recall]) -> Option<f64> {
-    let shares: Vec<f64> = scenes.iter().filter_map(Recall::share).collect();
-    (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
+    mean(scenes.iter().filter_map(Recall::share))
 }
 
 /// Registered pairs of all scenes over counted pairs of all scenes, each pair weighing the same.
@@ -26,6 +26,33 @@ pub fn pooled_recall(scenes: &[Recall]) -> Option<f64> {
     let registered: usize = scenes.iter().map(|scene| scene.registered).sum();
     let total: usize = scenes.iter().map(|scene| scene.total).sum();
     (total > 0).then(|| registered as f64 / total as f64)
+}
+
+/// Mean R@K and mean Regret of the scenes, each scene weighing the same whatever its number of
+/// scans, as in the paper's table (section "Pose Graph Construction Quality"). `None` where there
+/// are no scenes; those that [`retrieval`](crate::retrieval) has nothing to say of are left out
+/// by the caller.
+///
+/// ```
+/// use gmpcr_eval::{Retrieval, mean_retrieval};
+///
+/// let scenes = [Retrieval { recall: 1.0, regret: 0.0 }, Retrieval { recall: 0.5, regret: 0.25 }];
+/// assert_eq!(mean_retrieval(&scenes), Some(Retrieval { recall: 0.75, regret: 0.125 }));
+/// ```
+#[must_use]
+pub fn mean_retrieval(scenes: &[Retrieval]) -> Option<Retrieval> {
+    Some(Retrieval {
+        recall: mean(scenes.iter().map(|scene| scene.recall))?,
+        regret: mean(scenes.iter().map(|scene| scene.regret))?,
+    })
+}
+
+/// Arithmetic mean; `None` of no values.
+pub(crate) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = values.fold((0_usize, 0.0), |(count, sum), value| {
+        (count + 1, sum + value)
+    });
+    (count > 0).then(|| sum / count as f64)
 }
 
 #[cfg(test)]
@@ -39,5 +66,6 @@ mod tests {
         let empty = Recall::of(Vec::new());
         assert_eq!(mean_recall(std::slice::from_ref(&empty)), None);
         assert_eq!(pooled_recall(&[empty]), None);
+        assert_eq!(mean_retrieval(&[]), None);
     }
 }

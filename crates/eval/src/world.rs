@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use crate::error::Error;
+use crate::error::{Error, check_length};
 
 /// The outcome of a multiview registration: a pose per scan, and a label per scan that says
 /// which scans hang together.
@@ -35,19 +35,11 @@ impl WorldPoses {
         world_from_scan: Vec<Option<Isometry3<f64>>>,
         component: Vec<usize>,
     ) -> Result<Self, Error> {
-        let (expected, found) = (world_from_scan.len(), component.len());
-        if expected == found {
-            Ok(Self {
-                world_from_scan,
-                component,
-            })
-        } else {
-            Err(Error::LengthMismatch {
-                what: "component labels",
-                expected,
-                found,
-            })
-        }
+        check_length("component labels", world_from_scan.len(), component.len())?;
+        Ok(Self {
+            world_from_scan,
+            component,
+        })
     }
 
     /// Poses that all share one frame.
@@ -92,7 +84,7 @@ mod tests {
         assert_eq!(error, expected);
         assert_eq!(
             error.to_string(),
-            "3 component labels are needed, one per scan, but there are 2"
+            "3 component labels are needed, but there are 2"
         );
     }
 

@@ -2,7 +2,7 @@ use gmpcr_cliques::CliqueParams;
 use gmpcr_compatibility::CompatibilityParams;
 use gmpcr_correspondence::CorrespondenceParams;
 use gmpcr_posegraph::PoseGraphParams;
-use gmpcr_sync::{AdaptiveHistory, History, SyncParams};
+use gmpcr_sync::{AdaptiveHistory, History, Method, SyncParams};
 
 use crate::Error;
 
@@ -95,11 +95,12 @@ impl Params {
 
     fn set_synchronization(&mut self, iterations: usize, sensitivity: f64, recovery: f64) {
         self.sync.iterations = iterations;
-        self.sync.history = History::Adaptive(AdaptiveHistory {
+        let history = AdaptiveHistory {
             sensitivity,
             recovery,
             ..Default::default()
-        });
+        };
+        self.sync.method = History::Adaptive(history).into();
     }
 
     /// Checks that every parameter is in its range.
@@ -148,9 +149,9 @@ impl Params {
             allowed,
         )?;
         positive(sync.residual_scale, "sync.residual_scale")?;
-        match &sync.history {
-            History::Adaptive(history) => validate_history(history),
-            History::Sghr | History::Memoryless => Ok(()),
+        match &sync.method {
+            Method::HistoryAware(History::Adaptive(history)) => validate_history(history),
+            _ => Ok(()),
         }
     }
 }
@@ -162,21 +163,21 @@ fn validate_history(history: &AdaptiveHistory) -> Result<(), Error> {
         sensitivity,
         recovery,
     } = history;
-    let (name, allowed) = ("sync.history.max_memory", "in [0, 1)");
+    let (name, allowed) = ("sync.method.max_memory", "in [0, 1)");
     check((0.0..1.0).contains(&max_memory), max_memory, name, allowed)?;
-    let (name, allowed) = ("sync.history.min_memory", "in [0, max_memory]");
+    let (name, allowed) = ("sync.method.min_memory", "in [0, max_memory]");
     check(
         (0.0..=max_memory).contains(&min_memory),
         min_memory,
         name,
         allowed,
     )?;
-    positive(sensitivity, "sync.history.sensitivity")?;
+    positive(sensitivity, "sync.method.sensitivity")?;
     let is_strength = recovery.is_finite() && recovery >= 0.0;
     check(
         is_strength,
         recovery,
-        "sync.history.recovery",
+        "sync.method.recovery",
         "finite and not negative",
     )
 }
@@ -212,7 +213,7 @@ mod tests {
 
     /// (N_s, N_o, r_s, K, K_c, L, κ, ρ)
     fn numbers(params: &Params) -> (usize, usize, f64, usize, usize, usize, f64, f64) {
-        let History::Adaptive(history) = params.sync.history else {
+        let Method::HistoryAware(History::Adaptive(history)) = params.sync.method else {
             panic!("the presets have an adaptive history");
         };
         (
@@ -255,8 +256,8 @@ mod tests {
     #[test]
     fn every_parameter_out_of_range_is_named() {
         fn history(params: &mut Params) -> &mut AdaptiveHistory {
-            match &mut params.sync.history {
-                History::Adaptive(history) => history,
+            match &mut params.sync.method {
+                Method::HistoryAware(History::Adaptive(history)) => history,
                 _ => panic!("the default history is adaptive"),
             }
         }
@@ -286,10 +287,10 @@ mod tests {
             ("cliques.min_affinity", |p| p.cliques.min_affinity = 1.0),
             ("cliques.work_budget", |p| p.cliques.work_budget = 0),
             ("sync.residual_scale", |p| p.sync.residual_scale = -1.0),
-            ("sync.history.max_memory", |p| history(p).max_memory = 1.0),
-            ("sync.history.min_memory", |p| history(p).min_memory = 0.95),
-            ("sync.history.sensitivity", |p| history(p).sensitivity = 0.0),
-            ("sync.history.recovery", |p| history(p).recovery = -0.1),
+            ("sync.method.max_memory", |p| history(p).max_memory = 1.0),
+            ("sync.method.min_memory", |p| history(p).min_memory = 0.95),
+            ("sync.method.sensitivity", |p| history(p).sensitivity = 0.0),
+            ("sync.method.recovery", |p| history(p).recovery = -0.1),
         ];
         for (name, spoil) in cases {
             let mut params = Params::default();

@@ -147,10 +147,7 @@ fn square<'a, const N: usize>(
 }
 
 fn rigid_motion(matrix: &SMatrix<f64, 4, 4>) -> Result<Isometry3<f64>, String> {
-    let last = matrix.row(3) - nalgebra::RowVector4::new(0.0, 0.0, 0.0, 1.0);
-    if last.amax() > rigid::ROTATION_TOLERANCE {
-        return Err("the last row of the matrix is not 0 0 0 1".to_owned());
-    }
+    rigid::check_last_row(std::array::from_fn(|column| matrix[(3, column)]))?;
     rigid::from_matrix_rows(std::array::from_fn(|k| matrix[(k / 4, k % 4)]))
 }
 

@@ -63,6 +63,16 @@ pub enum Error {
         /// The file that should stand beside it.
         missing: PathBuf,
     },
+
+    /// Files of a scene are missing or contradict each other.
+    #[error("{} is incomplete: {}", folder.display(), problems.join("; "))]
+    Incomplete {
+        /// The folder of the scene, or of its descriptors.
+        folder: PathBuf,
+        /// What is wrong, a clause for each kind of problem. Each names its files, relative to the
+        /// folder where they are inside, and cuts long lists after a few: "and 7 more".
+        problems: Vec<String>,
+    },
 }
 
 impl Error {

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 use crate::points::{EXTENSIONS, extension};
 
-const KEYPOINTS: &str = ".kpts.npy";
-const DESCRIPTORS: &str = ".desc.npy";
+pub(crate) const KEYPOINTS: &str = ".kpts.npy";
+pub(crate) const DESCRIPTORS: &str = ".desc.npy";
 
 /// The point clouds (`.ply`, `.pcd`) of a folder in natural order: `scan_2` before `scan_10`.
 ///
@@ -31,8 +31,7 @@ const DESCRIPTORS: &str = ".desc.npy";
 /// ```
 pub fn scan_files(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
     let folder = folder.as_ref();
-    let names = file_names(folder)?;
-    let scans: Vec<PathBuf> = names
+    let scans: Vec<PathBuf> = file_names(folder)?
         .iter()
         .map(|name| folder.join(name))
         .filter(|path| extension(path).is_some_and(|found| EXTENSIONS.contains(&&*found)))
@@ -49,11 +48,11 @@ pub fn scan_files(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
 /// Keypoints of a scan and their descriptors: two files whose rows correspond.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DescriptorFiles {
-    /// What the two file names share.
+    /// What the two file names share; in a [`Scene`](crate::Scene) the number of the set.
     pub name: String,
-    /// `<name>.kpts.npy`, for [`read_keypoints`](crate::read_keypoints).
+    /// The n×3 array, for [`read_keypoints`](crate::read_keypoints).
     pub keypoints: PathBuf,
-    /// `<name>.desc.npy`, for [`read_descriptors`](crate::read_descriptors).
+    /// The n×d array, for [`read_descriptors`](crate::read_descriptors).
     pub descriptors: PathBuf,
 }
 
@@ -120,14 +119,23 @@ fn check_paired(
 
 /// Names of the visible files of a folder in natural order. A name that is no Unicode is no name
 /// of ours.
-fn file_names(folder: &Path) -> Result<Vec<String>, Error> {
+pub(crate) fn file_names(folder: &Path) -> Result<Vec<String>, Error> {
+    names(folder, Path::is_file)
+}
+
+/// Names of the visible subfolders of a folder in natural order.
+pub(crate) fn folder_names(folder: &Path) -> Result<Vec<String>, Error> {
+    names(folder, Path::is_dir)
+}
+
+fn names(folder: &Path, is_wanted: fn(&Path) -> bool) -> Result<Vec<String>, Error> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).map_err(Error::io("list", folder))? {
         let entry = entry.map_err(Error::io("list", folder))?;
         let Ok(name) = entry.file_name().into_string() else {
             continue;
         };
-        if !name.starts_with('.') && entry.path().is_file() {
+        if !name.starts_with('.') && is_wanted(&entry.path()) {
             names.push(name);
         }
     }

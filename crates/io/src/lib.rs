@@ -8,9 +8,12 @@
 //! | point clouds | PLY, PCD | [`read_points`], [`read_ply`], [`read_pcd`] | [`write_merged_ply`] |
 //! | keypoints, descriptors | NumPy `.npy` | [`read_keypoints`], [`read_descriptors`], [`read_npy_matrix`] | |
 //! | absolute poses | TUM, rows of 3×4 matrices | [`read_poses_tum`], [`read_poses_3x4`] | [`write_poses_tum`], [`write_poses_3x4`] |
+//! | a single pose | 4×4 or 3×4 matrix, as of ScanNet | [`read_pose_matrix`] | |
 //! | pose graphs | g2o | [`read_g2o`] | [`write_g2o`] |
 //! | benchmark pairs | 3DMatch `gt.log`, `gt.info` | [`read_gt_log`], [`read_gt_info`] | [`write_gt_log`] |
-//! | data folders | | [`scan_files`], [`descriptor_files`] | |
+//! | overlaps of pairs | `overlap.csv`, `gt_overlap.log` | [`read_overlaps`] | |
+//! | folders of files | | [`scan_files`], [`descriptor_files`] | |
+//! | scenes of benchmarks | 3DMatch, YOHO and SGHR, ScanNet, ETH: see [`Layout`] | [`scene_folders`], [`read_scene`] | |
 //!
 //! # Conventions
 //! * `a_from_b` maps coordinates in frame `b` to coordinates in frame `a`. A pose is
@@ -34,6 +37,7 @@
 mod atomic;
 mod benchmark;
 mod bytes;
+mod dataset;
 mod error;
 mod folder;
 mod g2o;
@@ -48,6 +52,10 @@ mod rows;
 mod text;
 
 pub use benchmark::{InfoEntry, LogEntry, read_gt_info, read_gt_log, write_gt_log};
+pub use dataset::{
+    Layout, PairList, PairOverlap, Scene, SceneScan, SceneTruth, read_overlaps, read_scene,
+    scene_folders,
+};
 pub use error::Error;
 pub use folder::{DescriptorFiles, descriptor_files, scan_files};
 pub use g2o::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
@@ -56,7 +64,9 @@ pub use npy::{Descriptors, NpyMatrix, read_descriptors, read_keypoints, read_npy
 pub use pcd::read_pcd;
 pub use ply::read_ply;
 pub use points::{PointFile, read_points};
-pub use poses::{read_poses_3x4, read_poses_tum, write_poses_3x4, write_poses_tum};
+pub use poses::{
+    read_pose_matrix, read_poses_3x4, read_poses_tum, write_poses_3x4, write_poses_tum,
+};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

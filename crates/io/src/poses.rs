@@ -111,49 +111,128 @@ pub fn write_poses_3x4(
 /// first.
 ///
 /// The second index is the connected component of the scan; it must be a whole number and is
-/// otherwise ignored, although poses of different components do not share a world. Rows without an index are numbered from 0 in the order of the file. Blank lines and lines that
-/// start with `#` are passed over. Each 3×3 part is replaced by the nearest rotation, since files
-/// often hold few digits.
+/// otherwise ignored, although poses of different components do not share a world. Rows without an
+/// index are numbered from 0 in the order of the file. Blank lines and lines that start with `#` are
+/// passed over. Each 3×3 part is replaced by the nearest rotation, since files often hold few digits.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for a row that
 /// has not 12, 13 or 14 finite numbers, for rows of different width in one file, or for a matrix
 /// that is off any rotation by more than 0.01 in an entry.
 pub fn read_poses_3x4(path: impl AsRef<Path>) -> Result<Vec<(usize, Isometry3<f64>)>, Error> {
-    let path = path.as_ref();
+    matrix_rows(path.as_ref(), |line| {
+        let entries = line.numbers(ROW)?;
+        rigid::from_matrix_rows(entries).map_err(|reason| line.error(reason))
+    })
+}
+
+/// A pose, or `None` where it is unknown.
+pub(crate) type KnownPose = Option<Isometry3<f64>>;
+
+/// As [`read_poses_3x4`], but a row without a finite entry is a scan without a pose.
+pub(crate) fn read_known_poses_3x4(path: &Path) -> Result<Vec<(usize, KnownPose)>, Error> {
+    matrix_rows(path, |line| {
+        let entries = line.any_numbers(ROW)?;
+        motion_if_known(entries).map_err(|reason| line.error(reason))
+    })
+}
+
+const ROW: &str = "the 3x4 matrix";
+
+fn matrix_rows<T>(
+    path: &Path,
+    pose: impl Fn(&mut Line) -> Result<T, Error>,
+) -> Result<Vec<(usize, T)>, Error> {
     let text = read_text(path)?;
     let width = lines(path, &text)
         .next()
         .map_or(0, |line| line.words_left());
     let rows = lines(path, &text).enumerate();
-    rows.map(|(row, line)| matrix_row(line, row, width))
+    rows.map(|(row, mut line)| Ok((scan_of_row(&mut line, row, width)?, pose(&mut line)?)))
         .collect()
 }
 
-fn matrix_row(mut line: Line, row: usize, width: usize) -> Result<(usize, Isometry3<f64>), Error> {
+/// The scan of a row, whose words are those of the pose from then on.
+fn scan_of_row(line: &mut Line, row: usize, width: usize) -> Result<usize, Error> {
     let words = line.words_left();
-    let scan = match words {
+    match words {
         _ if words != width => {
             let reason = format!("{words} numbers, but the first row has {width}");
-            return Err(line.error(reason));
+            Err(line.error(reason))
         }
-        12 => row,
-        13 => line.index("the index of the scan")?,
+        12 => Ok(row),
+        13 => line.index("the index of the scan"),
         14 => {
             let scan = line.index("the index of the scan")?;
             line.index("the component of the scan")?;
-            scan
+            Ok(scan)
         }
         _ => {
             let reason = format!(
                 "{words} numbers: a pose has 12, or 13 with its index, or 14 with its component too"
             );
-            return Err(line.error(reason));
+            Err(line.error(reason))
         }
-    };
-    let entries = line.numbers("the 3x4 matrix")?;
-    let pose = rigid::from_matrix_rows(entries).map_err(|reason| line.error(reason))?;
-    Ok((scan, pose))
+    }
+}
+
+/// Reads a file of one matrix, such as ScanNet has for each frame: `world_from_scan`, or `None` if
+/// the pose is unknown.
+///
+/// The file has the three rows of `[R | t]`, with or without the fourth row `0 0 0 1`. ScanNet writes
+/// `-inf` into all entries where its tracking was lost; hence a matrix without a finite entry stands
+/// for an unknown pose. The 3×3 part is replaced by the nearest rotation.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if there are not three or four
+/// rows of four numbers, if only some of them are finite, or if the matrix is off any rigid motion
+/// by more than 0.01 in an entry.
+///
+/// # Example
+/// ```
+/// use gmpcr_io::read_pose_matrix;
+/// use nalgebra::Isometry3;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("0.txt");
+/// std::fs::write(&path, "1 0 0 0.5\n0 1 0 0\n0 0 1 2\n0 0 0 1\n")?;
+/// assert_eq!(read_pose_matrix(&path)?, Some(Isometry3::translation(0.5, 0.0, 2.0)));
+/// std::fs::write(&path, "-inf -inf -inf -inf\n".repeat(4))?;
+/// assert_eq!(read_pose_matrix(&path)?, None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_pose_matrix(path: impl AsRef<Path>) -> Result<Option<Isometry3<f64>>, Error> {
+    let path = path.as_ref();
+    let text = read_text(path)?;
+    let mut rows = Vec::new();
+    for mut line in lines(path, &text) {
+        rows.push(line.any_numbers::<4>("the row")?);
+        line.end()?;
+    }
+    let (&[a, b, c], last) = rows
+        .split_first_chunk::<3>()
+        .filter(|(_, last)| last.len() <= 1)
+        .ok_or_else(|| {
+            let reason = format!("{} rows: a pose has 3, or 4 with 0 0 0 1", rows.len());
+            Error::malformed(path, reason)
+        })?;
+    let entries = std::array::from_fn(|k| [a, b, c][k / 4][k % 4]);
+    let pose = motion_if_known(entries).map_err(|reason| Error::malformed(path, reason))?;
+    if let (Some(_), [last]) = (pose, last) {
+        rigid::check_last_row(*last).map_err(|reason| Error::malformed(path, reason))?;
+    }
+    Ok(pose)
+}
+
+/// The motion of `[R | t]`, row by row; none if none of the entries is finite.
+fn motion_if_known(entries: [f64; 12]) -> Result<Option<Isometry3<f64>>, String> {
+    match entries.iter().filter(|entry| entry.is_finite()).count() {
+        12 => rigid::from_matrix_rows(entries).map(Some),
+        0 => Ok(None),
+        finite => Err(format!(
+            "only {finite} of 12 entries of the pose are finite"
+        )),
+    }
 }
 
 #[cfg(test)]
@@ -199,6 +278,54 @@ mod tests {
         );
         assert!(read_text_as_3x4("1 2 3\n").is_err());
         assert!(read_text_as_3x4(&format!("-1 {IDENTITY}\n")).is_err());
+    }
+
+    #[test]
+    fn an_unknown_pose_has_no_finite_entry_in_any_spelling() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("poses.txt");
+        for word in ["-inf", "nan", "1.#INF", "-nan(ind)"] {
+            let row = format!("{word} ").repeat(12);
+            fs::write(&path, format!("0 {IDENTITY}\n1 {row}\n")).unwrap();
+            let poses = read_known_poses_3x4(&path).unwrap();
+            assert_eq!(poses, [(0, Some(Isometry3::identity())), (1, None)]);
+            assert!(read_poses_3x4(&path).is_err());
+            fs::write(&path, format!("{word} {word} {word} {word}\n").repeat(3)).unwrap();
+            assert_eq!(read_pose_matrix(&path).unwrap(), None);
+        }
+        fs::write(&path, IDENTITY.replacen('0', "nan", 1)).unwrap();
+        let error = read_known_poses_3x4(&path).unwrap_err().to_string();
+        assert!(error.contains("poses.txt:1: only 11 of 12"), "{error}");
+    }
+
+    #[test]
+    fn a_file_of_one_matrix_has_three_or_four_rows() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("0.txt");
+        let rows = ["1 0 0 7", "0 1 0 8", "0 0 1 9", "0 0 0 1", "0 0 0 0"];
+        for (chosen, reason) in [
+            (&[0, 1, 2][..], None),
+            (&[0, 1, 2, 3], None),
+            (&[], Some("0 rows")),
+            (&[0, 1], Some("2 rows")),
+            (&[0, 1, 2, 3, 3], Some("5 rows")),
+            (&[0, 1, 2, 4], Some("not 0 0 0 1")),
+            (&[0, 0, 2, 3], Some("no rotation")),
+        ] {
+            let text: Vec<&str> = chosen.iter().map(|&row| rows[row]).collect();
+            fs::write(&path, text.join("\n")).unwrap();
+            match (read_pose_matrix(&path), reason) {
+                (Ok(pose), None) => assert_eq!(pose, Some(Isometry3::translation(7.0, 8.0, 9.0))),
+                (Err(error), Some(reason)) => {
+                    let said = error.to_string();
+                    assert!(said.contains("0.txt: ") && said.contains(reason), "{said}");
+                }
+                (read, _) => panic!("{chosen:?}: {read:?}"),
+            }
+        }
+        fs::write(&path, "1 0 0\n").unwrap();
+        let error = read_pose_matrix(&path).unwrap_err().to_string();
+        assert!(error.contains("0.txt:1: the line ends"), "{error}");
     }
 
     #[test]

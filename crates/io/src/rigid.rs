@@ -63,6 +63,15 @@ pub(crate) fn from_matrix_rows(rows: [f64; 12]) -> Result<Isometry3<f64>, String
     ))
 }
 
+/// Whether the fourth row of a 4×4 matrix is that of a motion.
+pub(crate) fn check_last_row(row: [f64; 4]) -> Result<(), String> {
+    let is_near = |(entry, expected): (f64, f64)| (entry - expected).abs() <= ROTATION_TOLERANCE;
+    if row.into_iter().zip([0.0, 0.0, 0.0, 1.0]).all(is_near) {
+        return Ok(());
+    }
+    Err("the last row of the matrix is not 0 0 0 1".to_owned())
+}
+
 /// The upper three rows `[R | t]` of the matrix of `motion`.
 pub(crate) fn matrix_rows(motion: &Isometry3<f64>) -> [[f64; 4]; 3] {
     let matrix = motion.to_homogeneous();

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::str::SplitWhitespace;
 
-use crate::Error;
+use crate::{Error, rows};
 
 /// The whole file as text.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
@@ -23,10 +23,7 @@ pub(crate) fn lines<'a>(path: &'a Path, text: &'a str) -> impl Iterator<Item = L
             number,
             words: content.split_whitespace(),
         })
-        .filter(|line| {
-            let first = line.words.clone().next();
-            first.is_some_and(|word| !word.starts_with('#'))
-        })
+        .filter(|line| line.first().is_some_and(|word| !word.starts_with('#')))
 }
 
 /// A line, read word by word from the left.
@@ -43,6 +40,10 @@ impl<'a> Line<'a> {
 
     pub(crate) fn words_left(&self) -> usize {
         self.words.clone().count()
+    }
+
+    pub(crate) fn first(&self) -> Option<&'a str> {
+        self.words.clone().next()
     }
 
     pub(crate) fn word(&mut self, what: &str) -> Result<&'a str, Error> {
@@ -65,9 +66,25 @@ impl<'a> Line<'a> {
     }
 
     pub(crate) fn numbers<const N: usize>(&mut self, what: &str) -> Result<[f64; N], Error> {
+        self.array(what, Self::number)
+    }
+
+    /// Numbers that need not be finite, in any spelling that programs print.
+    pub(crate) fn any_numbers<const N: usize>(&mut self, what: &str) -> Result<[f64; N], Error> {
+        self.array(what, |line, name| {
+            let word = line.word(name)?;
+            rows::coordinate(name, word, false).map_err(|reason| line.error(reason))
+        })
+    }
+
+    fn array<const N: usize>(
+        &mut self,
+        what: &str,
+        number: impl Fn(&mut Self, &str) -> Result<f64, Error>,
+    ) -> Result<[f64; N], Error> {
         let mut numbers = [0.0; N];
-        for (k, number) in (1..).zip(&mut numbers) {
-            *number = self.number(&format!("number {k} of {N} of {what}"))?;
+        for (k, entry) in (1..).zip(&mut numbers) {
+            *entry = number(self, &format!("number {k} of {N} of {what}"))?;
         }
         Ok(numbers)
     }
@@ -82,8 +99,7 @@ impl<'a> Line<'a> {
 
     /// Nothing but a comment may follow.
     pub(crate) fn end_or_comment(&mut self) -> Result<(), Error> {
-        let next = self.words.clone().next();
-        if next.is_some_and(|word| word.starts_with('#')) {
+        if self.first().is_some_and(|word| word.starts_with('#')) {
             return Ok(());
         }
         self.end()

@@ -1,4 +1,4 @@
-//! Simulated depth-camera scans of generated indoor scenes with ground truth.
+//! Simulated data with ground truth: depth-camera scans of generated indoor scenes, and pose graphs.
 //!
 //! Registration of low-overlap scans needs data whose poses are known better than any camera
 //! track knows them. This crate generates a furnished flat out of simple solids, walks a depth
@@ -23,6 +23,7 @@
 //! | a generated flat | [`Scene::furnished_room`], [`RoomParams`] |
 //! | a depth camera and its noise | [`DepthCamera`], [`DepthNoise`] |
 //! | scans under random poses | [`simulate`], [`SimParams`], [`SimulatedScans`] |
+//! | relative poses of which some are wrong | [`simulate_pose_graph`], [`PoseGraphSimParams`] |
 //! | how much scans share | [`overlap`], [`overlap_matrix`], [`overlapping_points`], [`overlap_components`] |
 //!
 //! Lengths are metres, angles radians. `world_from_scan` maps a scan's coordinates into the
@@ -38,6 +39,7 @@ mod furniture;
 mod grid;
 mod noise;
 mod overlap;
+mod pose_graph;
 mod primitive;
 mod random;
 mod ray;
@@ -54,6 +56,10 @@ pub use components::overlap_components;
 pub use error::Error;
 pub use noise::DepthNoise;
 pub use overlap::{overlap, overlap_matrix, overlapping_points};
+pub use pose_graph::{
+    EdgeWeights, Outliers, PoseGraphSimParams, SimulatedEdge, SimulatedPoseGraph, Topology,
+    simulate_pose_graph,
+};
 pub use primitive::Primitive;
 pub use ray::{Hit, Ray};
 pub use scene::Scene;

@@ -1,6 +1,6 @@
 //! Seeded draws: uniform, Gaussian, rotations, rigid motions.
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -10,6 +10,7 @@ pub(crate) enum Stream {
     Building,
     Tour,
     World,
+    PoseGraph,
     Scan(usize),
 }
 
@@ -19,6 +20,8 @@ pub(crate) fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
         Stream::Building => 0,
         Stream::Tour => 1,
         Stream::World => 2,
+        // Scans count up from 3, so this one is out of their reach.
+        Stream::PoseGraph => u64::MAX,
         Stream::Scan(scan) => 3 + scan as u64,
     });
     rng
@@ -51,6 +54,18 @@ pub(crate) fn gaussian_pair(rng: &mut impl Rng) -> (f64, f64) {
     }
 }
 
+/// A vector of independent standard normal numbers.
+pub(crate) fn gaussian(rng: &mut impl Rng) -> Vector3<f64> {
+    let ((x, y), (z, _)) = (gaussian_pair(rng), gaussian_pair(rng));
+    Vector3::new(x, y, z)
+}
+
+/// Uniform in the cube of this side around the origin.
+pub(crate) fn point_in_cube(rng: &mut impl Rng, side: f64) -> Vector3<f64> {
+    let half = 0.5 * side;
+    Vector3::from_fn(|_, _| uniform(rng, -half, half))
+}
+
 /// Uniformly distributed over SO(3): the direction of a Gaussian in quaternion space.
 pub(crate) fn rotation(rng: &mut impl Rng) -> UnitQuaternion<f64> {
     let (w, x) = gaussian_pair(rng);
@@ -61,12 +76,7 @@ pub(crate) fn rotation(rng: &mut impl Rng) -> UnitQuaternion<f64> {
 /// A random rotation, then a shift of up to `reach` along each axis.
 pub(crate) fn rigid_motion(rng: &mut impl Rng, reach: f64) -> Isometry3<f64> {
     let rotation = rotation(rng);
-    let shift = Translation3::new(
-        uniform(rng, -reach, reach),
-        uniform(rng, -reach, reach),
-        uniform(rng, -reach, reach),
-    );
-    Isometry3::from_parts(shift, rotation)
+    Isometry3::from_parts(point_in_cube(rng, 2.0 * reach).into(), rotation)
 }
 
 #[cfg(test)]

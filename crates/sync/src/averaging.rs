@@ -71,7 +71,7 @@ impl<'a> RotationAverager<'a> {
     pub fn solve(&mut self, weights: &[f64]) -> AveragedRotations {
         self.laplacian.set_weights(&relative(weights));
         let Eigenspace { vectors, residual } =
-            smallest_eigenvectors(&mut self.laplacian, &self.start);
+            smallest_eigenvectors(&mut self.laplacian, 3, &self.start);
         let (world_from_scan, weakest_block) = project_blocks(&vectors);
         self.start = vectors;
         AveragedRotations {
@@ -86,7 +86,20 @@ impl<'a> RotationAverager<'a> {
 /// the smallest to the largest singular value of all blocks.
 fn project_blocks(vectors: &DMatrix<f64>) -> (Vec<Rotation3<f64>>, f64) {
     let block = |node: usize| vectors.fixed_view::<3, 3>(3 * node, 0).into_owned();
-    let mut blocks: Vec<Matrix3<f64>> = (0..vectors.nrows() / 3).map(block).collect();
+    let (scan_from_world, weakest_block) =
+        nearest_rotations((0..vectors.nrows() / 3).map(block).collect());
+    let Some((reference, others)) = scan_from_world.split_first() else {
+        return (Vec::new(), 1.0);
+    };
+    let in_its_frame = others.iter().map(|rotation| reference * rotation.inverse());
+    let rotations = std::iter::once(Rotation3::identity()).chain(in_its_frame);
+    (rotations.collect(), weakest_block)
+}
+
+/// Projects blocks that are rotations up to scale, noise, and a common orthogonal factor onto SO(3),
+/// after the reflection of most blocks is removed from all. Also returns the ratio of the smallest to
+/// the largest singular value of all blocks.
+pub(crate) fn nearest_rotations(mut blocks: Vec<Matrix3<f64>>) -> (Vec<Rotation3<f64>>, f64) {
     let num_reflected = blocks
         .iter()
         .filter(|block| block.determinant() < 0.0)
@@ -105,14 +118,9 @@ fn project_blocks(vectors: &DMatrix<f64>) -> (Vec<Rotation3<f64>>, f64) {
         .iter()
         .map(|svd| svd.singular_values[0])
         .fold(0.0, f64::max);
-    let scan_from_world: Vec<_> = decomposed
+    let rotations = decomposed
         .iter()
         .map(SignedSvd3::nearest_rotation)
         .collect();
-    let Some((reference, others)) = scan_from_world.split_first() else {
-        return (Vec::new(), 1.0);
-    };
-    let in_its_frame = others.iter().map(|rotation| reference * rotation.inverse());
-    let rotations = std::iter::once(Rotation3::identity()).chain(in_its_frame);
-    (rotations.collect(), smallest / largest)
+    (rotations, smallest / largest)
 }

@@ -1,22 +1,37 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::laplacian::ConnectionLaplacian;
+use crate::cholesky::NotPositiveDefinite;
 
-/// Eigenvectors of the three smallest eigenvalues of a connection Laplacian.
+/// A sparse positive semidefinite matrix `A` whose smallest eigenvectors are sought.
+pub(crate) trait SemidefiniteMatrix {
+    /// Number of rows.
+    fn size(&self) -> usize;
+    /// A number of the order of the largest eigenvalue.
+    fn scale(&self) -> f64;
+    /// `A X`.
+    fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64>;
+    /// Factors `A − shift I`. It fails, without harm, where the shift is above the smallest
+    /// eigenvalue.
+    fn factorize(&mut self, shift: f64) -> Result<(), NotPositiveDefinite>;
+    /// Replaces `X` by `(A − shift I)⁻¹ X` with the shift last factored.
+    fn solve_in_place(&mut self, x: &mut DMatrix<f64>);
+    /// The full matrix.
+    fn to_dense(&self) -> DMatrix<f64>;
+}
+
+/// Eigenvectors of the smallest eigenvalues of a matrix.
 #[derive(Clone, Debug)]
 pub(crate) struct Eigenspace {
-    /// Three orthonormal columns, and where there is room a few more that converged less: the
-    /// start of the next search.
+    /// The orthonormal columns that were wanted, and where there is room a few more that converged
+    /// less: the start of the next search.
     pub vectors: DMatrix<f64>,
-    /// Largest norm of `L x − λ x` over the three, in units of the largest degree.
+    /// Largest norm of `A x − λ x` over the wanted ones, in units of the matrix's scale.
     pub residual: f64,
 }
 
-/// Eigenvectors wanted: the dimension of space.
-const WANTED: usize = 3;
-/// Further vectors iterated along: the wanted ones converge at the rate of `λ₃/λ₇`.
+/// Further vectors iterated along: `k` wanted ones converge at the rate of `λ_k / λ_{k+4}`.
 const GUARD: usize = 3;
-/// Residual, in units of the largest degree, at which the search stops once it no longer falls fast.
+/// Residual, in units of the scale, at which the search stops once it no longer falls fast.
 /// The error of a vector is the residual over the gap to the next eigenvalue, which may be small.
 const TOLERANCE: f64 = 1e-13;
 /// A solve that leaves more than this share of the residual gains nothing any more.
@@ -32,7 +47,7 @@ const DENSE_LIMIT: usize = 600;
 /// Steps of the full decomposition; a few per row are usual.
 const MAX_QR_STEPS: usize = 100 * DENSE_LIMIT;
 
-/// Finds the three smallest eigenvectors by block inverse iteration with Rayleigh–Ritz projection,
+/// Finds the `wanted` smallest eigenvectors by block inverse iteration with Rayleigh–Ritz projection,
 /// starting from the first columns of `start`.
 ///
 /// The block keeps a multiple eigenvalue (noise-free rotations have λ = 0 three times) from being
@@ -41,46 +56,48 @@ const MAX_QR_STEPS: usize = 100 * DENSE_LIMIT;
 /// iteration stalls (eigenvalues that nearly coincide) and the matrix is small, a full
 /// decomposition takes over; a large one is returned as it stands, with its residual.
 pub(crate) fn smallest_eigenvectors(
-    laplacian: &mut ConnectionLaplacian,
+    matrix: &mut impl SemidefiniteMatrix,
+    wanted: usize,
     start: &DMatrix<f64>,
 ) -> Eigenspace {
-    let scale = laplacian.largest_degree();
-    let block = (WANTED + GUARD).min(laplacian.size());
-    let mut ritz = rayleigh_ritz(laplacian, padded(start, block));
+    let scale = matrix.scale();
+    let block = (wanted + GUARD).min(matrix.size());
+    let mut ritz = rayleigh_ritz(matrix, wanted, padded(start, block));
     let mut shift = -1e-5 * scale;
-    if laplacian.factorize(shift).is_err() {
+    if matrix.factorize(shift).is_err() {
         return ritz.into_eigenspace(scale);
     }
     let mut last_residual = f64::INFINITY;
     for solves in 1..=MAX_SOLVES {
-        laplacian.solve_in_place(&mut ritz.vectors);
-        ritz = rayleigh_ritz(laplacian, ritz.vectors);
+        matrix.solve_in_place(&mut ritz.vectors);
+        ritz = rayleigh_ritz(matrix, wanted, ritz.vectors);
         let residual = ritz.residual();
         if residual <= TOLERANCE * scale && residual >= STALL * last_residual {
             return ritz.into_eigenspace(scale);
         }
         last_residual = residual;
         if solves % SOLVES_PER_SHIFT == 0 {
-            shift = closer_shift(laplacian, &ritz, shift);
+            shift = closer_shift(matrix, &ritz, shift);
         }
     }
-    if ritz.residual() > ACCEPTABLE * scale && laplacian.size() <= DENSE_LIMIT {
-        return dense_eigenvectors(laplacian).unwrap_or_else(|| ritz.into_eigenspace(scale));
+    if ritz.residual() > ACCEPTABLE * scale && matrix.size() <= DENSE_LIMIT {
+        return dense_eigenvectors(matrix, wanted).unwrap_or_else(|| ritz.into_eigenspace(scale));
     }
     ritz.into_eigenspace(scale)
 }
 
 /// The best approximation of the eigenvectors within a subspace.
 struct Ritz {
+    wanted: usize,
     values: Vec<f64>,
     vectors: DMatrix<f64>,
-    /// `L x − θ x` of each vector.
+    /// `A x − θ x` of each vector.
     residuals: DMatrix<f64>,
 }
 
 impl Ritz {
     fn residual(&self) -> f64 {
-        let wanted = 0..WANTED.min(self.values.len());
+        let wanted = 0..self.wanted.min(self.values.len());
         wanted
             .map(|k| self.residuals.column(k).norm())
             .fold(0.0, f64::max)
@@ -98,9 +115,9 @@ impl Ritz {
     }
 }
 
-fn rayleigh_ritz(laplacian: &ConnectionLaplacian, mut basis: DMatrix<f64>) -> Ritz {
+fn rayleigh_ritz(matrix: &impl SemidefiniteMatrix, wanted: usize, mut basis: DMatrix<f64>) -> Ritz {
     orthonormalize(&mut basis);
-    let image = laplacian.multiply(&basis);
+    let image = matrix.multiply(&basis);
     let SymmetricEigen {
         eigenvectors,
         eigenvalues,
@@ -117,6 +134,7 @@ fn rayleigh_ritz(laplacian: &ConnectionLaplacian, mut basis: DMatrix<f64>) -> Ri
             .axpy(-value, &vectors.column(k), 1.0);
     }
     Ritz {
+        wanted,
         values,
         vectors,
         residuals,
@@ -125,33 +143,33 @@ fn rayleigh_ritz(laplacian: &ConnectionLaplacian, mut basis: DMatrix<f64>) -> Ri
 
 /// Tries to move the shift up behind the smallest eigenvalue; returns the shift that is factored.
 ///
-/// The smallest eigenvalue is at least `θ₁ − ‖L x₁ − θ₁ x₁‖` once the iteration has found it. A tenth
+/// The smallest eigenvalue is at least `θ₁ − ‖A x₁ − θ₁ x₁‖` once the iteration has found it. A tenth
 /// of the spread of the block is kept as a distance, so that the system stays well conditioned.
-fn closer_shift(laplacian: &mut ConnectionLaplacian, ritz: &Ritz, current: f64) -> f64 {
+fn closer_shift(matrix: &mut impl SemidefiniteMatrix, ritz: &Ritz, current: f64) -> f64 {
     let (first, last) = (ritz.values[0], ritz.values[ritz.values.len() - 1]);
     let distance = (0.1 * (last - first)).max(2.0 * ritz.residuals.column(0).norm());
     let closer = first - distance;
     if closer <= 0.5 * current || closer - current <= 0.5 * (first - current) {
         return current;
     }
-    match laplacian.factorize(closer) {
+    match matrix.factorize(closer) {
         Ok(()) => closer,
         Err(_) => {
             // The current shift was factored before, so it can be again.
-            let _ = laplacian.factorize(current);
+            let _ = matrix.factorize(current);
             current
         }
     }
 }
 
 /// The eigenvectors by the full decomposition; `None` where it does not converge.
-fn dense_eigenvectors(laplacian: &ConnectionLaplacian) -> Option<Eigenspace> {
-    let eigen = SymmetricEigen::try_new(laplacian.to_dense(), f64::EPSILON, MAX_QR_STEPS)?;
-    let mut order: Vec<usize> = (0..laplacian.size()).collect();
+fn dense_eigenvectors(matrix: &impl SemidefiniteMatrix, wanted: usize) -> Option<Eigenspace> {
+    let eigen = SymmetricEigen::try_new(matrix.to_dense(), f64::EPSILON, MAX_QR_STEPS)?;
+    let mut order: Vec<usize> = (0..matrix.size()).collect();
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-    order.truncate(WANTED + GUARD);
+    order.truncate(wanted + GUARD);
     let vectors = eigen.eigenvectors.select_columns(&order);
-    Some(rayleigh_ritz(laplacian, vectors).into_eigenspace(laplacian.largest_degree()))
+    Some(rayleigh_ritz(matrix, wanted, vectors).into_eigenspace(matrix.scale()))
 }
 
 /// `start` with columns cut or added to make `columns` of them.
@@ -204,6 +222,7 @@ mod tests {
     use nalgebra::{Rotation3, Vector3};
 
     use super::*;
+    use crate::laplacian::ConnectionLaplacian;
     use crate::subgraph::{Measurement, Subgraph};
 
     /// A ring with chords whose rotations are off by up to `noise`.
@@ -253,8 +272,8 @@ mod tests {
             let mut laplacian = ConnectionLaplacian::new(&graph);
             laplacian.set_weights(&vec![0.7; graph.measurements.len()]);
             let start = DMatrix::from_element(3 * num_nodes, 1, 1.0);
-            let found = smallest_eigenvectors(&mut laplacian, &start);
-            let dense = dense_eigenvectors(&laplacian).unwrap();
+            let found = smallest_eigenvectors(&mut laplacian, 3, &start);
+            let dense = dense_eigenvectors(&laplacian, 3).unwrap();
             assert!(
                 found.residual < 1e-11,
                 "{num_nodes} nodes: residual {}",
@@ -271,7 +290,7 @@ mod tests {
     fn zero_weights_give_some_orthonormal_vectors() {
         let graph = graph(5, 0.0);
         let mut laplacian = ConnectionLaplacian::new(&graph);
-        let found = smallest_eigenvectors(&mut laplacian, &DMatrix::zeros(15, 3));
+        let found = smallest_eigenvectors(&mut laplacian, 3, &DMatrix::zeros(15, 3));
         let gram = found.vectors.tr_mul(&found.vectors);
         assert!((gram - DMatrix::identity(6, 6)).norm() < 1e-12);
     }

@@ -31,14 +31,18 @@ pub struct AdaptiveHistory {
     pub recovery: f64,
 }
 
+impl AdaptiveHistory {
+    pub(crate) const DEFAULT: Self = Self {
+        min_memory: 0.1,
+        max_memory: 0.9,
+        sensitivity: 3.0,
+        recovery: 0.1,
+    };
+}
+
 impl Default for AdaptiveHistory {
     fn default() -> Self {
-        Self {
-            min_memory: 0.1,
-            max_memory: 0.9,
-            sensitivity: 3.0,
-            recovery: 0.1,
-        }
+        Self::DEFAULT
     }
 }
 

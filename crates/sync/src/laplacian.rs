@@ -1,6 +1,7 @@
 use nalgebra::{DMatrix, Matrix3};
 
 use crate::cholesky::{NotPositiveDefinite, SparseCholesky};
+use crate::eigenspace::SemidefiniteMatrix;
 use crate::subgraph::{Measurement, Subgraph};
 
 /// The weighted connection Laplacian of the measured rotations.
@@ -42,11 +43,6 @@ impl<'a> ConnectionLaplacian<'a> {
         }
     }
 
-    /// Number of rows: three per node.
-    pub fn size(&self) -> usize {
-        3 * self.graph.num_nodes
-    }
-
     pub fn set_weights(&mut self, weights: &[f64]) {
         self.weights.copy_from_slice(weights);
         self.degrees.fill(0.0);
@@ -55,14 +51,21 @@ impl<'a> ConnectionLaplacian<'a> {
             self.degrees[m.j] += weight;
         }
     }
+}
+
+impl SemidefiniteMatrix for ConnectionLaplacian<'_> {
+    /// Number of rows: three per node.
+    fn size(&self) -> usize {
+        3 * self.graph.num_nodes
+    }
 
     /// The largest weighted degree: half an upper bound of the eigenvalues.
-    pub fn largest_degree(&self) -> f64 {
+    fn scale(&self) -> f64 {
         self.degrees.iter().copied().fold(0.0, f64::max)
     }
 
     /// `L X`, from the differences along the edges, which lose nothing where `X` solves `L X = 0`.
-    pub fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+    fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         let mut product = DMatrix::zeros(x.nrows(), x.ncols());
         for (m, &weight) in self.graph.measurements.iter().zip(&self.weights) {
             let rotation = m.matrix();
@@ -79,22 +82,18 @@ impl<'a> ConnectionLaplacian<'a> {
         product
     }
 
-    /// Factors `L − shift I`. It fails, without harm, where the shift is above the smallest
-    /// eigenvalue.
-    pub fn factorize(&mut self, shift: f64) -> Result<(), NotPositiveDefinite> {
+    fn factorize(&mut self, shift: f64) -> Result<(), NotPositiveDefinite> {
         let values = self
             .layout
             .values(self.graph, &self.weights, &self.degrees, shift);
         self.cholesky.factorize(&values)
     }
 
-    /// Replaces `X` by `(L − shift I)⁻¹ X` with the shift last factored.
-    pub fn solve_in_place(&mut self, x: &mut DMatrix<f64>) {
+    fn solve_in_place(&mut self, x: &mut DMatrix<f64>) {
         self.cholesky.solve_in_place(x);
     }
 
-    /// The full matrix.
-    pub fn to_dense(&self) -> DMatrix<f64> {
+    fn to_dense(&self) -> DMatrix<f64> {
         let mut dense = DMatrix::zeros(self.size(), self.size());
         for (node, &degree) in self.degrees.iter().enumerate() {
             let diagonal = Matrix3::from_diagonal_element(degree);

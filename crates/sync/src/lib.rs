@@ -20,6 +20,7 @@
 //! | rotations under given weights | [`average_rotations`] |
 //! | translations under given rotations and weights | [`solve_translations`] |
 //! | reweighting schemes | [`History`], [`EdgeHistory`] |
+//! | other methods, same graph | [`Method`] |
 //!
 //! Every system is sparse and factored by faer's Cholesky decomposition: thousands of poses take
 //! seconds, and memory grows with the number of edges (plus fill). Nothing here is random, threaded
@@ -27,16 +28,24 @@
 
 mod averaging;
 mod cholesky;
+mod consensus;
 mod eigenspace;
+mod eigse3;
+mod hara;
 mod history;
+mod history_aware;
 mod laplacian;
+mod lie_averaging;
+mod method;
 mod subgraph;
 mod synchronize;
 mod translations;
+mod triangles;
 
 pub use averaging::{AveragedRotations, average_rotations};
 pub use gmpcr_posegraph::{Components, PoseEdge, PoseGraph, PoseGraphError};
 pub use history::{AdaptiveHistory, EdgeHistory, History, Update};
+pub use method::{Method, RobustLoss, UnknownMethod};
 pub use synchronize::{ComponentReport, EdgeReport, Iteration, Synchronization, synchronize};
 pub use translations::solve_translations;
 
@@ -48,8 +57,8 @@ pub struct SyncParams {
     pub iterations: usize,
     /// Rotation residual that counts as one, `s_r`, in radians; positive. Default 5°.
     pub residual_scale: f64,
-    /// How residuals become weights. Default: the paper's adaptive history.
-    pub history: History,
+    /// How the graph is synchronised. Default: the paper's adaptive history.
+    pub method: Method,
 }
 
 impl Default for SyncParams {
@@ -57,7 +66,7 @@ impl Default for SyncParams {
         Self {
             iterations: 10,
             residual_scale: 5f64.to_radians(),
-            history: History::default(),
+            method: Method::default(),
         }
     }
 }

@@ -1,11 +1,9 @@
 use gmpcr_geometry::isometry;
 use gmpcr_posegraph::{Components, PoseGraph};
-use nalgebra::{Isometry3, Rotation3};
+use nalgebra::Isometry3;
 
-use crate::averaging::RotationAverager;
-use crate::history::EdgeHistory;
+use crate::method::Solution;
 use crate::subgraph::Subgraph;
-use crate::translations::subgraph_translations;
 use crate::{SyncParams, Update};
 
 /// Poses of all scans, with the evidence for them.
@@ -101,89 +99,37 @@ pub fn synchronize(graph: &PoseGraph, params: &SyncParams) -> Synchronization {
     let parts = Subgraph::of_components(graph, &result.components);
     for (label, (part, positions)) in parts.into_iter().enumerate() {
         let initial_weights = positions.iter().map(|&k| graph.edges()[k].weight).collect();
-        let solved = Solved::new(&part, initial_weights, params);
+        let solution = Solution::new(&part, initial_weights, params);
         for (node, &scan) in result.components.members()[label].iter().enumerate() {
-            result.world_from_scan[scan] = solved.world_from_node[node];
+            result.world_from_scan[scan] = solution.world_from_node[node];
         }
         for (measurement, &position) in positions.iter().enumerate() {
-            solved.describe_edge(&part, measurement, &mut result.edges[position]);
+            describe_edge(&part, &solution, measurement, &mut result.edges[position]);
         }
         result.reports.push(ComponentReport {
             edges: positions,
-            iterations: solved.iterations,
-            eigen_residual: solved.eigen_residual,
-            weakest_block: solved.weakest_block,
+            iterations: solution.iterations,
+            eigen_residual: solution.eigen_residual,
+            weakest_block: solution.weakest_block,
         });
     }
     result
 }
 
-/// The solution of one component.
-struct Solved {
-    world_from_node: Vec<Isometry3<f64>>,
-    final_weights: Vec<f64>,
-    iterations: Vec<Iteration>,
-    eigen_residual: f64,
-    weakest_block: f64,
-}
-
-impl Solved {
-    fn new(graph: &Subgraph, initial_weights: Vec<f64>, params: &SyncParams) -> Self {
-        if graph.measurements.is_empty() {
-            return Self::isolated(graph.num_nodes);
-        }
-        let mut averager = RotationAverager::new(graph, &initial_weights);
-        let mut history = EdgeHistory::new(params.history, params.iterations, initial_weights);
-        let mut iterations = Vec::new();
-        let (mut eigen_residual, mut weakest_block) = (0f64, 1f64);
-        let mut average = |weights: &[f64]| -> Vec<Rotation3<f64>> {
-            let averaged = averager.solve(weights);
-            eigen_residual = eigen_residual.max(averaged.eigen_residual);
-            weakest_block = weakest_block.min(averaged.weakest_block);
-            averaged.world_from_scan
-        };
-        for _ in 0..params.iterations {
-            let rotations = average(history.weights());
-            let mut residuals = graph.rotation_residuals(&rotations);
-            residuals
-                .iter_mut()
-                .for_each(|angle| *angle /= params.residual_scale);
-            let update = history.update(&residuals, params.residual_scale);
-            iterations.push(Iteration { residuals, update });
-        }
-        let final_weights = history.weights().to_vec();
-        let rotations = average(&final_weights);
-        let translations = subgraph_translations(graph, &rotations, &final_weights);
-        let parts = rotations.iter().zip(&translations);
-        Self {
-            world_from_node: parts.map(|(rotation, t)| isometry(rotation, t)).collect(),
-            final_weights,
-            iterations,
-            eigen_residual,
-            weakest_block,
-        }
-    }
-
-    fn isolated(num_nodes: usize) -> Self {
-        Self {
-            world_from_node: vec![Isometry3::identity(); num_nodes],
-            final_weights: Vec::new(),
-            iterations: Vec::new(),
-            eigen_residual: 0.0,
-            weakest_block: 1.0,
-        }
-    }
-
-    fn describe_edge(&self, graph: &Subgraph, measurement: usize, report: &mut EdgeReport) {
-        let m = &graph.measurements[measurement];
-        let measured = isometry(&m.rotation, &m.translation);
-        let i_from_j = self.world_from_node[m.i].inv_mul(&self.world_from_node[m.j]);
-        let [a, b] = [&measured, &i_from_j].map(|motion| motion.rotation.to_rotation_matrix());
-        let offset = measured.translation.vector - i_from_j.translation.vector;
-        report.final_weight = self.final_weights[measurement];
-        report.rotation_residual = Some(gmpcr_geometry::angular_distance(&a, &b));
-        report.translation_residual = Some(offset.norm());
-    }
+fn describe_edge(
+    graph: &Subgraph,
+    solution: &Solution,
+    measurement: usize,
+    report: &mut EdgeReport,
+) {
+    let m = &graph.measurements[measurement];
+    let measured = isometry(&m.rotation, &m.translation);
+    let i_from_j = solution.world_from_node[m.i].inv_mul(&solution.world_from_node[m.j]);
+    let [a, b] = [&measured, &i_from_j].map(|motion| motion.rotation.to_rotation_matrix());
+    let offset = measured.translation.vector - i_from_j.translation.vector;
+    report.final_weight = solution.final_weights[measurement];
+    report.rotation_residual = Some(gmpcr_geometry::angular_distance(&a, &b));
+    report.translation_residual = Some(offset.norm());
 }
 
 impl EdgeReport {

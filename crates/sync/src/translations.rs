@@ -54,36 +54,35 @@ pub(crate) fn subgraph_translations(
     if graph.num_nodes < 2 {
         return vec![Vector3::zeros(); graph.num_nodes];
     }
-    let weights = relative(weights);
-    let tree = graph.spanning_tree(&weights);
+    let tree = graph.spanning_tree(&relative(weights));
     let along_tree = graph.positions_along(&tree, world_from_node);
     let offset = |m: &Measurement| {
         world_from_node[m.i] * m.translation - (along_tree[m.j] - along_tree[m.i])
     };
     let offsets: Vec<_> = graph.measurements.iter().map(offset).collect();
-    let system = GroundedLaplacian::new(graph);
-    let corrections = system.solve(graph, &offsets, &weights).or_else(|| {
-        let lifted: Vec<f64> = weights.iter().map(|w| w.max(WEIGHT_FLOOR)).collect();
-        system.solve(graph, &offsets, &lifted)
-    });
-    let correction = |node: usize| match &corrections {
-        Some(rows) if node > 0 => rows.fixed_view::<1, 3>(node - 1, 0).transpose(),
-        _ => Vector3::zeros(),
-    };
-    let nodes = along_tree.iter().enumerate();
+    let mut system = GroundedLaplacian::new(graph);
+    system.set_weights(weights);
+    let corrections = system.solve(&offsets);
+    let nodes = along_tree.iter().zip(&corrections);
     nodes
-        .map(|(node, position)| position + correction(node))
+        .map(|(position, correction)| position + correction)
         .collect()
 }
 
-/// The weighted graph Laplacian without node 0; node `k` is row `k − 1`.
-struct GroundedLaplacian {
+/// The weighted graph Laplacian without node 0, whose row `k − 1` is of node `k`: the normal equations
+/// of `argmin Σ w_ij ‖o_ij + p_i − p_j‖²` with `p_0 = 0`. The graph has two nodes at least.
+pub(crate) struct GroundedLaplacian<'a> {
+    graph: &'a Subgraph,
+    weights: Vec<f64>,
     column_starts: Vec<usize>,
     rows: Vec<usize>,
+    cholesky: SparseCholesky,
+    is_definite: bool,
 }
 
-impl GroundedLaplacian {
-    fn new(graph: &Subgraph) -> Self {
+impl<'a> GroundedLaplacian<'a> {
+    /// The Laplacian with zero weights.
+    pub fn new(graph: &'a Subgraph) -> Self {
         let mut below = vec![Vec::new(); graph.num_nodes - 1];
         for m in &graph.measurements {
             let (low, high) = (m.i.min(m.j), m.i.max(m.j));
@@ -100,27 +99,65 @@ impl GroundedLaplacian {
             column_starts.push(rows.len());
         }
         Self {
+            graph,
+            weights: vec![0.0; graph.measurements.len()],
+            cholesky: SparseCholesky::new(graph.num_nodes - 1, column_starts.clone(), rows.clone()),
             column_starts,
             rows,
+            is_definite: false,
         }
     }
 
-    /// Positions `p` of all nodes but the first that minimise `Σ w ‖offset + p_i − p_j‖²`; `None`
-    /// where the system is singular in floating point.
-    fn solve(
-        &self,
-        graph: &Subgraph,
-        offsets: &[Vector3<f64>],
-        weights: &[f64],
-    ) -> Option<DMatrix<f64>> {
-        let mut values = vec![0.0; self.rows.len()];
-        let mut right = DMatrix::zeros(graph.num_nodes - 1, 3);
-        for ((m, &weight), offset) in graph.measurements.iter().zip(weights).zip(offsets) {
+    /// Takes these weights, of which only the ratios matter.
+    pub fn set_weights(&mut self, weights: &[f64]) {
+        self.weights = relative(weights);
+        self.factorize();
+    }
+
+    /// The minimising `p` of all nodes for one offset `o` per measurement. All zero where the system
+    /// is singular in floating point.
+    pub fn solve(&mut self, offsets: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let solution = self.try_solve(offsets).or_else(|| {
+            self.lift_weights();
+            self.try_solve(offsets)
+        });
+        let position = |node: usize| match &solution {
+            Some(rows) if node > 0 => rows.fixed_view::<1, 3>(node - 1, 0).transpose(),
+            _ => Vector3::zeros(),
+        };
+        (0..self.graph.num_nodes).map(position).collect()
+    }
+
+    fn try_solve(&mut self, offsets: &[Vector3<f64>]) -> Option<DMatrix<f64>> {
+        if !self.is_definite {
+            return None;
+        }
+        let mut right = DMatrix::zeros(self.graph.num_nodes - 1, 3);
+        let measurements = self.graph.measurements.iter().zip(&self.weights);
+        for ((m, &weight), offset) in measurements.zip(offsets) {
             for (node, sign) in [(m.i, -1.0), (m.j, 1.0)] {
                 if node > 0 {
-                    values[self.column_starts[node - 1]] += weight;
                     let mut row = right.row_mut(node - 1);
                     row += offset.transpose() * (sign * weight);
+                }
+            }
+        }
+        self.cholesky.solve_in_place(&mut right);
+        right.iter().all(|x| x.is_finite()).then_some(right)
+    }
+
+    fn lift_weights(&mut self) {
+        let lifted = self.weights.iter().map(|weight| weight.max(WEIGHT_FLOOR));
+        self.weights = lifted.collect();
+        self.factorize();
+    }
+
+    fn factorize(&mut self) {
+        let mut values = vec![0.0; self.rows.len()];
+        for (m, &weight) in self.graph.measurements.iter().zip(&self.weights) {
+            for node in [m.i, m.j] {
+                if node > 0 {
+                    values[self.column_starts[node - 1]] += weight;
                 }
             }
             let (low, high) = (m.i.min(m.j), m.i.max(m.j));
@@ -128,14 +165,7 @@ impl GroundedLaplacian {
                 values[self.position(low - 1, high - 1)] -= weight;
             }
         }
-        let mut cholesky = SparseCholesky::new(
-            graph.num_nodes - 1,
-            self.column_starts.clone(),
-            self.rows.clone(),
-        );
-        cholesky.factorize(&values).ok()?;
-        cholesky.solve_in_place(&mut right);
-        right.iter().all(|x| x.is_finite()).then_some(right)
+        self.is_definite = self.cholesky.factorize(&values).is_ok();
     }
 
     fn position(&self, column: usize, row: usize) -> usize {

@@ -50,9 +50,9 @@ fn params(case: &Value) -> SyncParams {
     SyncParams {
         iterations: number(&params["iterations"]) as usize,
         residual_scale: number(&params["residual_scale_deg"]).to_radians(),
-        history: match params["history"].as_str().unwrap() {
-            "adaptive" => History::Adaptive(adaptive),
-            "sghr" => History::Sghr,
+        method: match params["history"].as_str().unwrap() {
+            "adaptive" => History::Adaptive(adaptive).into(),
+            "sghr" => History::Sghr.into(),
             other => panic!("unknown history {other}"),
         },
     }

@@ -16,7 +16,7 @@ const SCHEMES: [fn() -> History; 3] = [History::default, || History::Sghr, || Hi
 
 fn params(history: History) -> SyncParams {
     SyncParams {
-        history,
+        method: history.into(),
         ..SyncParams::default()
     }
 }

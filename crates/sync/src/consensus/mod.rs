@@ -1,0 +1,34 @@
+//! Wrong edges found by what they contradict: see [`Method::Consensus`](crate::Method::Consensus).
+
+mod assembly;
+mod loops;
+mod poses;
+mod refinement;
+
+use crate::SyncParams;
+use crate::method::Solution;
+use crate::subgraph::{Subgraph, relative};
+use assembly::assemble;
+use loops::LoopSupport;
+use poses::Noise;
+use refinement::refine;
+
+pub(crate) fn synchronize(
+    graph: &Subgraph,
+    initial_weights: Vec<f64>,
+    params: &SyncParams,
+) -> Solution {
+    let weights = relative(&initial_weights);
+    let loops = LoopSupport::new(graph, &weights, params.residual_scale);
+    let noise = Noise {
+        rotation: params.residual_scale,
+        translation: loops.translation_noise,
+    };
+    let mut poses = assemble(graph, &weights, &loops, &noise);
+    let iterations = refine(graph, &initial_weights, params, &noise, &mut poses);
+    let final_weights = match iterations.last() {
+        Some(last) => last.update.weights.clone(),
+        None => noise.weights(graph, &initial_weights, &poses),
+    };
+    Solution::of_poses(poses.in_frame_of_first(), final_weights, iterations)
+}

@@ -1,0 +1,72 @@
+use nalgebra::Rotation3;
+
+use super::poses::{Noise, Poses};
+use crate::lie_averaging::LieAverager;
+use crate::subgraph::Subgraph;
+use crate::translations::subgraph_translations;
+use crate::{Iteration, SyncParams, Update};
+
+/// Scale of the loss at the start, in units of the noise.
+const START_SCALE: f64 = 4.0;
+
+/// Iteratively reweighted least squares with the Geman–McClure loss of rotation and translation
+/// residuals together. During the first half of the iterations its scale falls to the noise
+/// (graduated non-convexity), so that first poses that are off by a few times the noise are forgiven.
+pub(super) fn refine(
+    graph: &Subgraph,
+    initial_weights: &[f64],
+    params: &SyncParams,
+    noise: &Noise,
+    poses: &mut Poses,
+) -> Vec<Iteration> {
+    let mut least_squares = LeastSquares::new(graph, poses.rotations.clone());
+    let mut iterations = Vec::new();
+    for k in 0..params.iterations {
+        let progress = 2.0 * k as f64 / params.iterations as f64;
+        let noise = noise.times(START_SCALE.powf(1.0 - progress).max(1.0));
+        let weights = noise.weights(graph, initial_weights, poses);
+        *poses = least_squares.solve(&weights);
+        iterations.push(record(graph, weights, params.residual_scale, poses));
+    }
+    iterations
+}
+
+fn record(graph: &Subgraph, weights: Vec<f64>, residual_scale: f64, poses: &Poses) -> Iteration {
+    let residuals = graph.rotation_residuals(&poses.rotations);
+    let residuals: Vec<f64> = residuals
+        .iter()
+        .map(|angle| angle / residual_scale)
+        .collect();
+    let squares = weights.iter().zip(&residuals).map(|(w, r)| w * r * r);
+    let update = Update {
+        weighted_error: squares.sum(),
+        memory: None,
+        weights,
+    };
+    Iteration { residuals, update }
+}
+
+/// Least squares over rotations, then over the positions that go with them.
+pub(super) struct LeastSquares<'a> {
+    graph: &'a Subgraph,
+    averager: LieAverager<'a>,
+}
+
+impl<'a> LeastSquares<'a> {
+    /// Starts from these rotations.
+    pub fn new(graph: &'a Subgraph, world_from_node: Vec<Rotation3<f64>>) -> Self {
+        Self {
+            graph,
+            averager: LieAverager::new(graph, world_from_node),
+        }
+    }
+
+    pub fn solve(&mut self, weights: &[f64]) -> Poses {
+        self.averager.solve(weights);
+        let rotations = self.averager.world_from_node.clone();
+        Poses {
+            positions: subgraph_translations(self.graph, &rotations, weights),
+            rotations,
+        }
+    }
+}

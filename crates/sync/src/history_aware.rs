@@ -1,0 +1,43 @@
+use nalgebra::Rotation3;
+
+use crate::averaging::RotationAverager;
+use crate::history::EdgeHistory;
+use crate::method::Solution;
+use crate::subgraph::Subgraph;
+use crate::{History, Iteration, SyncParams};
+
+/// Iteratively reweighted rotation averaging with residual history; rotations and translations are
+/// solved once more under the last weights.
+pub(crate) fn synchronize(
+    graph: &Subgraph,
+    initial_weights: Vec<f64>,
+    history: History,
+    params: &SyncParams,
+) -> Solution {
+    let mut averager = RotationAverager::new(graph, &initial_weights);
+    let mut history = EdgeHistory::new(history, params.iterations, initial_weights);
+    let mut iterations = Vec::new();
+    let (mut eigen_residual, mut weakest_block) = (0f64, 1f64);
+    let mut average = |weights: &[f64]| -> Vec<Rotation3<f64>> {
+        let averaged = averager.solve(weights);
+        eigen_residual = eigen_residual.max(averaged.eigen_residual);
+        weakest_block = weakest_block.min(averaged.weakest_block);
+        averaged.world_from_scan
+    };
+    for _ in 0..params.iterations {
+        let rotations = average(history.weights());
+        let mut residuals = graph.rotation_residuals(&rotations);
+        residuals
+            .iter_mut()
+            .for_each(|angle| *angle /= params.residual_scale);
+        let update = history.update(&residuals, params.residual_scale);
+        iterations.push(Iteration { residuals, update });
+    }
+    let final_weights = history.weights().to_vec();
+    let rotations = average(&final_weights);
+    Solution {
+        eigen_residual,
+        weakest_block,
+        ..Solution::of_rotations(graph, &rotations, final_weights, iterations)
+    }
+}

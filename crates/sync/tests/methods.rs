@@ -1,0 +1,385 @@
+//! What holds for every method of synchronisation.
+
+#![allow(clippy::unwrap_used)]
+
+use gmpcr_geometry::{angular_distance, nearest_rotation};
+use gmpcr_posegraph::{PoseEdge, PoseGraph};
+use gmpcr_sim::{PoseGraphSimParams, SimulatedPoseGraph, simulate_pose_graph};
+use gmpcr_sync::{Method, SyncParams, Synchronization, synchronize};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
+use proptest::prelude::*;
+
+/// Two scans and the weight of the edge between them.
+type Link = (usize, usize, f64);
+
+fn run(graph: &PoseGraph, method: Method) -> Synchronization {
+    let params = SyncParams {
+        method,
+        ..SyncParams::default()
+    };
+    synchronize(graph, &params)
+}
+
+fn motion() -> impl Strategy<Value = Isometry3<f64>> {
+    let vector = |range: f64| prop::array::uniform3(-range..range).prop_map(Vector3::from);
+    (vector(5.0), vector(1.8)).prop_map(|(t, r)| Isometry3::new(t, r))
+}
+
+/// True poses and the edges of a connected graph, first a tree, then at random.
+fn scene() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<Link>)> {
+    (2..12usize).prop_flat_map(|n| {
+        let tree = prop::collection::vec((any::<prop::sample::Index>(), 0.1..1.0f64), n - 1);
+        let extra = prop::collection::vec((0..n, 0..n, 0.1..1.0f64), 0..2 * n);
+        let edges = (tree, extra).prop_map(|(tree, extra)| {
+            let tree = tree.into_iter().enumerate();
+            let mut edges: Vec<_> = tree.map(|(k, (i, w))| (k + 1, i.index(k + 1), w)).collect();
+            edges.extend(extra.into_iter().filter(|(i, j, _)| i != j));
+            edges
+        });
+        (prop::collection::vec(motion(), n), edges)
+    })
+}
+
+/// A graph whose measurements are off by up to `noise`.
+fn measured(poses: &[Isometry3<f64>], links: &[Link], noise: f64) -> PoseGraph {
+    let edge = |(k, &(i, j, weight)): (usize, &Link)| {
+        let wave = |f: f64| (k as f64 * f + 0.5).sin() * noise;
+        let turn = Vector3::new(wave(1.1), wave(2.3), wave(3.7));
+        let shift = Vector3::new(wave(0.7), wave(1.9), wave(2.9));
+        let i_from_j = poses[i].inv_mul(&poses[j]) * Isometry3::new(shift, turn);
+        PoseEdge {
+            i,
+            j,
+            i_from_j,
+            weight,
+        }
+    };
+    let edges = links.iter().enumerate().map(edge).collect();
+    PoseGraph::new(poses.len(), edges).unwrap()
+}
+
+fn difference(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
+    (a.to_matrix() - b.to_matrix()).norm()
+}
+
+/// Largest difference of the poses to the truth in the frame of scan 0.
+fn error(result: &Synchronization, poses: &[Isometry3<f64>]) -> f64 {
+    let expected = poses.iter().map(|pose| poses[0].inv_mul(pose));
+    let pairs = result.world_from_scan.iter().zip(expected);
+    pairs
+        .map(|(pose, expected)| difference(pose, &expected))
+        .fold(0.0, f64::max)
+}
+
+/// Finite poses, weights in `[0, w⁰]`, and one residual and one weight per edge and iteration.
+fn assert_sound(result: &Synchronization, what: &str) {
+    let is_finite = |pose: &Isometry3<f64>| pose.to_matrix().iter().all(|x| x.is_finite());
+    assert!(result.world_from_scan.iter().all(is_finite), "{what}");
+    for edge in &result.edges {
+        let range = 0.0..=edge.initial_weight;
+        assert!(range.contains(&edge.final_weight), "{what}: {edge:?}");
+    }
+    for report in &result.reports {
+        for iteration in &report.iterations {
+            assert_eq!(iteration.residuals.len(), report.edges.len(), "{what}");
+            let update = &iteration.update;
+            assert_eq!(update.weights.len(), report.edges.len(), "{what}");
+        }
+        if let Some(last) = report.iterations.last() {
+            let weights = report.edges.iter().map(|&k| result.edges[k].final_weight);
+            assert!(weights.eq(last.update.weights.iter().copied()), "{what}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn noise_free_measurements_give_the_exact_poses((poses, links) in scene()) {
+        let graph = measured(&poses, &links, 0.0);
+        for method in Method::ALL {
+            let result = run(&graph, method);
+            assert_sound(&result, method.name());
+            let error = error(&result, &poses);
+            prop_assert!(error < 1e-8, "{}: {error}", method.name());
+            for edge in &result.edges {
+                prop_assert!(edge.final_weight > 0.999 * edge.initial_weight, "{}", method.name());
+            }
+        }
+    }
+
+    #[test]
+    fn permuting_the_scans_permutes_the_poses((poses, links) in scene(), seed in any::<u32>()) {
+        let graph = measured(&poses, &links, 0.01);
+        let n = poses.len();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by_key(|&k| (k as u32).wrapping_mul(seed | 1).rotate_left(7));
+        let renamed = graph.edges().iter().rev().map(|edge| PoseEdge { i: order[edge.i], j: order[edge.j], ..*edge });
+        let renamed = PoseGraph::new(n, renamed.collect()).unwrap();
+        for method in Method::ALL {
+            let [a, b] = [&graph, &renamed].map(|graph| run(graph, method).world_from_scan);
+            // Where votes tie, the first poses of the consensus depend on the numbering, and ten
+            // iterations do not forget them altogether: agreement is to the order of the noise.
+            let tolerance = if method == Method::Consensus { 1e-2 } else { 1e-4 };
+            let new_zero = a[order.iter().position(|&k| k == 0).unwrap()];
+            for (k, &renamed) in order.iter().enumerate() {
+                let difference = difference(&new_zero.inv_mul(&a[k]), &b[renamed]);
+                prop_assert!(difference < tolerance, "{}: {difference}", method.name());
+            }
+        }
+    }
+
+    #[test]
+    fn the_scale_of_weights_and_lengths_does_not_matter((poses, links) in scene(), scale in 1e-6..1e6f64) {
+        let graph = measured(&poses, &links, 0.02);
+        let scaled = |edge: &PoseEdge| {
+            let mut edge = PoseEdge { weight: edge.weight * scale, ..*edge };
+            edge.i_from_j.translation.vector *= scale;
+            edge
+        };
+        let edges = graph.edges().iter().map(scaled).collect();
+        let scaled = PoseGraph::new(poses.len(), edges).unwrap();
+        for method in Method::ALL {
+            let [a, b] = [&graph, &scaled].map(|graph| run(graph, method).world_from_scan);
+            for (a, b) in a.iter().zip(&b) {
+                prop_assert!(a.rotation.angle_to(&b.rotation) < 1e-6, "{}", method.name());
+                let shift = a.translation.vector - b.translation.vector / scale;
+                prop_assert!(shift.norm() < 1e-5, "{}: {shift}", method.name());
+            }
+        }
+    }
+}
+
+/// An edge that turns about z and steps along x.
+fn turning(i: usize, j: usize, turn: f64, weight: f64) -> PoseEdge {
+    let i_from_j = Isometry3::new(Vector3::x() * turn, Vector3::z() * turn);
+    PoseEdge {
+        i,
+        j,
+        i_from_j,
+        weight,
+    }
+}
+
+#[test]
+fn small_and_contradictory_graphs_give_finite_poses() {
+    let pi = std::f64::consts::PI;
+    let graphs = [
+        ("one edge", 2, vec![turning(1, 0, 0.7, 2.0)]),
+        ("no motion", 2, vec![turning(0, 1, 0.0, 1.0)]),
+        (
+            "edges without weight",
+            4,
+            vec![
+                turning(0, 1, 0.3, 1.0),
+                turning(0, 1, 3.0, 0.0),
+                turning(1, 2, 1.0, 0.0),
+                turning(3, 2, 1.0, 0.5),
+            ],
+        ),
+        (
+            "opposite edges",
+            2,
+            vec![turning(0, 1, 0.0, 1.0), turning(0, 1, pi, 1.0)],
+        ),
+        (
+            "repeated and contradictory edges",
+            3,
+            vec![
+                turning(0, 1, 0.0, 1.0),
+                turning(0, 1, 3.1, 1.0),
+                turning(1, 0, 1.5, 1.0),
+                turning(1, 2, 0.2, 1.0),
+                turning(1, 2, -3.0, 1.0),
+            ],
+        ),
+        (
+            "a triangle that does not close",
+            3,
+            vec![
+                turning(0, 1, pi, 1.0),
+                turning(1, 2, pi, 1.0),
+                turning(2, 0, pi, 1.0),
+            ],
+        ),
+        (
+            "extreme weights",
+            4,
+            vec![
+                turning(0, 1, 0.1, 1e-100),
+                turning(1, 2, 0.2, 1e100),
+                turning(0, 2, -2.0, 1e-100),
+                turning(2, 3, 0.2, 1e-30),
+                turning(3, 1, 1.2, 1.0),
+            ],
+        ),
+    ];
+    for (name, num_scans, edges) in graphs {
+        let graph = PoseGraph::new(num_scans, edges).unwrap();
+        for method in Method::ALL {
+            for iterations in [0, 1, 10, 100] {
+                let params = SyncParams {
+                    iterations,
+                    method,
+                    ..SyncParams::default()
+                };
+                let result = synchronize(&graph, &params);
+                assert_sound(&result, &format!("{name}, {}", method.name()));
+            }
+        }
+    }
+}
+
+#[test]
+fn extreme_lengths_and_weights_change_nothing() {
+    let (poses, links) = ring(9);
+    let graph = measured(&poses, &links, 0.02);
+    for method in Method::ALL {
+        let plain = run(&graph, method);
+        for (weight, length) in [(1e-150, 1.0), (1e100, 1.0), (1.0, 1e90), (1.0, 1e-90)] {
+            let scaled = graph.edges().iter().map(|edge| {
+                let mut edge = PoseEdge { weight, ..*edge };
+                edge.i_from_j.translation.vector *= length;
+                edge
+            });
+            let scaled = PoseGraph::new(9, scaled.collect()).unwrap();
+            let result = run(&scaled, method);
+            for (pose, expected) in result.world_from_scan.iter().zip(&plain.world_from_scan) {
+                let angle = pose.rotation.angle_to(&expected.rotation);
+                let shift = pose.translation.vector / length - expected.translation.vector;
+                let what = format!("{}, weight {weight}, length {length}", method.name());
+                assert!(
+                    angle < 1e-7 && shift.norm() < 1e-6,
+                    "{what}: {angle}, {shift}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn chains_and_separate_parts_are_exact() {
+    let (poses, _) = ring(30);
+    let chain = (1..20).map(|k| (k - 1, k, 1.0));
+    let other = (21..30).map(|k| (k, k - 1, 0.3));
+    let graph = measured(&poses, &chain.chain(other).collect::<Vec<_>>(), 0.0);
+    for method in Method::ALL {
+        let result = run(&graph, method);
+        assert_sound(&result, method.name());
+        assert_eq!(result.reports.len(), 2);
+        for (k, pose) in result.world_from_scan.iter().enumerate() {
+            let root = if k < 20 { 0 } else { 20 };
+            let error = difference(pose, &poses[root].inv_mul(&poses[k]));
+            assert!(error < 1e-10, "{}: {error}", method.name());
+        }
+    }
+}
+
+/// A ring with chords: `n` scans a step of about 2 apart, three edges each.
+fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<Link>) {
+    let pose = |k: usize| {
+        let angle = k as f64 / n as f64 * std::f64::consts::TAU;
+        let position = Vector3::new(angle.cos(), angle.sin(), 0.1 * angle) * (n as f64 / 3.0);
+        Isometry3::new(position, Vector3::new(0.3, 0.1, 1.0) * angle)
+    };
+    let links = (0..n).flat_map(|i| [1, 2, 5].map(|step| (i, (i + step) % n, 1.0)));
+    ((0..n).map(pose).collect(), links.collect())
+}
+
+#[test]
+fn two_thousand_poses_are_exact() {
+    let (poses, links) = ring(2000);
+    let graph = measured(&poses, &links, 0.0);
+    for method in Method::ALL {
+        let params = SyncParams {
+            iterations: 2,
+            method,
+            ..SyncParams::default()
+        };
+        let error = error(&synchronize(&graph, &params), &poses);
+        assert!(error < 1e-6, "{}: {error}", method.name());
+    }
+}
+
+/// 50 scans, ten edges at each, noise of 2° and 5 cm, and a share of uniformly random edges.
+fn random_graph(outlier_share: f64, seed: u64) -> (Vec<Isometry3<f64>>, PoseGraph) {
+    let params = PoseGraphSimParams {
+        seed,
+        outlier_share,
+        ..PoseGraphSimParams::default()
+    };
+    let SimulatedPoseGraph {
+        world_from_scan,
+        edges,
+    } = simulate_pose_graph(&params).unwrap();
+    let edges = edges.iter().map(|edge| PoseEdge {
+        i: edge.i,
+        j: edge.j,
+        i_from_j: edge.i_from_j,
+        weight: edge.weight,
+    });
+    let graph = PoseGraph::new(world_from_scan.len(), edges.collect()).unwrap();
+    (world_from_scan, graph)
+}
+
+/// Mean rotation error in degrees after the ℓ₁ alignment of all scans.
+fn mean_rotation_error(result: &Synchronization, poses: &[Isometry3<f64>]) -> f64 {
+    let pairs = result.world_from_scan.iter().zip(poses);
+    let offset = |(found, truth): (&Isometry3<f64>, &Isometry3<f64>)| {
+        (truth.rotation * found.rotation.inverse()).to_rotation_matrix()
+    };
+    let offsets: Vec<Rotation3<f64>> = pairs.map(offset).collect();
+    let weighted_mean = |weight: &dyn Fn(&Rotation3<f64>) -> f64| {
+        let terms = offsets
+            .iter()
+            .map(|offset| offset.matrix() * weight(offset));
+        nearest_rotation(&terms.sum::<Matrix3<f64>>())
+    };
+    let mut alignment = weighted_mean(&|_| 1.0);
+    for _ in 0..30 {
+        let weight = |offset: &Rotation3<f64>| 1.0 / angular_distance(offset, &alignment).max(1e-4);
+        alignment = weighted_mean(&weight);
+    }
+    let angles = offsets
+        .iter()
+        .map(|offset| angular_distance(offset, &alignment));
+    angles.sum::<f64>().to_degrees() / poses.len() as f64
+}
+
+/// The mean over eight graphs.
+fn error_at(outliers: f64, method: Method) -> f64 {
+    let errors = (0..8).map(|seed| {
+        let (poses, graph) = random_graph(outliers, seed);
+        let result = run(&graph, method);
+        assert_sound(&result, method.name());
+        mean_rotation_error(&result, &poses)
+    });
+    errors.sum::<f64>() / 8.0
+}
+
+#[test]
+fn robust_methods_bear_random_edges() {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|&method| method != Method::EigSe3)
+    {
+        for (outliers, limit) in [(0.0, 1.7), (0.2, 2.2), (0.4, 13.0)] {
+            let error = error_at(outliers, method);
+            println!("{} at {outliers}: {error:.2}°", method.name());
+            assert!(
+                error < limit,
+                "{} at {outliers}: {error:.2}°",
+                method.name()
+            );
+        }
+    }
+}
+
+#[test]
+fn trusting_all_edges_degrades_with_random_ones() {
+    let [clean, few, many] = [0.0, 0.2, 0.4].map(|outliers| error_at(outliers, Method::EigSe3));
+    println!("eigse3: {clean:.2}°, {few:.2}°, {many:.2}°");
+    assert!(clean < 1.5 && few > 3.0 * clean && many > few);
+    assert!(few < 15.0 && many < 45.0);
+}
