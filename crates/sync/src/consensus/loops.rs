@@ -1,4 +1,5 @@
 use gmpcr_geometry::rotation_angle;
+use nalgebra::Vector3;
 
 use super::poses::Motion;
 use crate::subgraph::{Measurement, Subgraph};
@@ -24,9 +25,9 @@ impl LoopSupport {
         let mut closed = Vec::new();
         for_each_triangle(graph, |triangle| {
             if triangle.iter().all(|&k| weights[k] > 0.0) {
-                let gap = gap(triangle.map(|k| &graph.measurements[k]));
-                if rotation_angle(&gap.rotation) <= LIMIT * rotation_noise {
-                    closed.push((gap.position.norm(), triangle));
+                let gap = Gap::new(triangle.map(|k| &graph.measurements[k]));
+                if gap.angle <= LIMIT * rotation_noise {
+                    closed.push((gap.offset, triangle));
                 }
             }
         });
@@ -50,11 +51,25 @@ impl LoopSupport {
     }
 }
 
-/// The motion around a triangle `a → b → c → a`, which exact measurements make the identity.
-fn gap([ab, bc, ac]: [&Measurement; 3]) -> Motion {
-    let (a, b) = (ab.i.min(ab.j), ab.i.max(ab.j));
-    let a_from_c = directed(ab, a).then(&directed(bc, b));
-    directed(ac, a).inverse().then(&a_from_c)
+/// How far the motion around a triangle is from the identity, which exact measurements make it.
+struct Gap {
+    angle: f64,
+    /// Mean over the three nodes of how far the way around leads away from the node.
+    offset: f64,
+}
+
+impl Gap {
+    fn new([ab, bc, ac]: [&Measurement; 3]) -> Self {
+        let (a, b) = (ab.i.min(ab.j), ab.i.max(ab.j));
+        let (a_from_b, b_from_c, a_from_c) = (directed(ab, a), directed(bc, b), directed(ac, a));
+        let around = a_from_b.then(&b_from_c).then(&a_from_c.inverse());
+        let nodes = [Vector3::zeros(), a_from_b.position, a_from_c.position];
+        let offset = |node: &Vector3<f64>| (around.position + around.rotation * node - node).norm();
+        Self {
+            angle: rotation_angle(&around.rotation),
+            offset: nodes.iter().map(offset).sum::<f64>() / 3.0,
+        }
+    }
 }
 
 /// The measured motion into the frame of one of its two nodes.
@@ -74,7 +89,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Rotation3, Vector3};
+    use nalgebra::Rotation3;
 
     use super::*;
 
