@@ -24,7 +24,7 @@ mod scan;
 pub use descriptors::{Descriptors, DescriptorsError};
 pub use gmpcr_geometry::PointPairs;
 pub use matching::{DimensionsDiffer, Match, correspondences, match_descriptors};
-pub use sampling::{Keypoints, farthest_point_sampling};
+pub use sampling::{Keypoints, farthest_point_sampling, farthest_point_sampling_from};
 pub use scan::{Scan, ScanError};
 
 /// Parameters of this stage. The default is the paper's setting for 3DMatch.

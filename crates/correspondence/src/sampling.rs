@@ -83,12 +83,41 @@ impl Keypoints {
 /// # Ok::<(), gmpcr_correspondence::DescriptorsError>(())
 /// ```
 pub fn farthest_point_sampling(descriptors: &Descriptors, num_samples: usize) -> Vec<usize> {
-    let mut samples = Vec::with_capacity(num_samples.min(descriptors.len()));
-    let mut candidates: BinaryHeap<Candidate> = (0..descriptors.len()).map(unseen).collect();
-    if let Some(first) = farthest_from_mean(descriptors).filter(|_| num_samples > 0) {
-        candidates.retain(|candidate| candidate.index.0 != first);
-        samples.push(first);
+    match farthest_from_mean(descriptors) {
+        Some(first) => farthest_point_sampling_from(descriptors, first, num_samples),
+        None => Vec::new(),
     }
+}
+
+/// [`farthest_point_sampling`] with another first sample, such as a random one: how much results
+/// owe to the luck of the start shows where it varies.
+///
+/// # Panics
+/// If `first` is not the index of a descriptor.
+///
+/// ```
+/// use gmpcr_correspondence::{Descriptors, farthest_point_sampling_from};
+///
+/// let descriptors = Descriptors::new(vec![1.0, 0.0, 9.0, 4.0], 1)?;
+/// assert_eq!(farthest_point_sampling_from(&descriptors, 3, 3), [3, 2, 1]);
+/// # Ok::<(), gmpcr_correspondence::DescriptorsError>(())
+/// ```
+pub fn farthest_point_sampling_from(
+    descriptors: &Descriptors,
+    first: usize,
+    num_samples: usize,
+) -> Vec<usize> {
+    assert!(
+        first < descriptors.len(),
+        "descriptor {first} is outside 0..{}",
+        descriptors.len()
+    );
+    let mut samples = Vec::with_capacity(num_samples.min(descriptors.len()));
+    let mut candidates: BinaryHeap<Candidate> = (0..descriptors.len())
+        .filter(|&index| index != first)
+        .map(unseen)
+        .collect();
+    samples.extend((num_samples > 0).then_some(first));
     while samples.len() < num_samples
         && let Some(mut candidate) = candidates.pop()
     {
@@ -162,11 +191,15 @@ mod tests {
     use super::*;
 
     /// The algorithm as it is defined, with all distances.
-    fn plain_farthest_point_sampling(descriptors: &Descriptors, num_samples: usize) -> Vec<usize> {
+    fn plain_farthest_point_sampling(
+        descriptors: &Descriptors,
+        first: Option<usize>,
+        num_samples: usize,
+    ) -> Vec<usize> {
         let n = descriptors.len();
         let mut distance = vec![f64::INFINITY; n];
         let mut samples = Vec::new();
-        let mut next = farthest_from_mean(descriptors);
+        let mut next = first;
         while let Some(sample) = next.filter(|_| samples.len() < num_samples) {
             samples.push(sample);
             for (k, d) in distance.iter_mut().enumerate() {
@@ -198,7 +231,12 @@ mod tests {
         #[test]
         fn the_lazy_sampling_is_the_plain_one(d in descriptors(), num_samples in 0..45usize) {
             let samples = farthest_point_sampling(&d, num_samples);
-            prop_assert_eq!(samples, plain_farthest_point_sampling(&d, num_samples));
+            let plain = plain_farthest_point_sampling(&d, farthest_from_mean(&d), num_samples);
+            prop_assert_eq!(samples, plain);
+            for first in 0..d.len() {
+                let samples = farthest_point_sampling_from(&d, first, num_samples);
+                prop_assert_eq!(samples, plain_farthest_point_sampling(&d, Some(first), num_samples));
+            }
         }
 
         #[test]

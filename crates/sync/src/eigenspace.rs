@@ -40,6 +40,9 @@ const STALL: f64 = 0.25;
 const ACCEPTABLE: f64 = 1e-11;
 /// Block solves before the search gives up.
 const MAX_SOLVES: usize = 60;
+/// Block solves that must halve the residual, or the search gives up as well: so many eigenvalues
+/// nearly coincide that it would take hundreds.
+const PATIENCE: usize = 10;
 /// Block solves between attempts to move the shift closer to the eigenvalues.
 const SOLVES_PER_SHIFT: usize = 3;
 /// Up to this many rows a full decomposition is affordable where the search gives up.
@@ -67,7 +70,7 @@ pub(crate) fn smallest_eigenvectors(
     if matrix.factorize(shift).is_err() {
         return ritz.into_eigenspace(scale);
     }
-    let mut last_residual = f64::INFINITY;
+    let (mut last_residual, mut long_ago) = (f64::INFINITY, f64::INFINITY);
     for solves in 1..=MAX_SOLVES {
         matrix.solve_in_place(&mut ritz.vectors);
         ritz = rayleigh_ritz(matrix, wanted, ritz.vectors);
@@ -76,6 +79,12 @@ pub(crate) fn smallest_eigenvectors(
             return ritz.into_eigenspace(scale);
         }
         last_residual = residual;
+        if solves % PATIENCE == 0 {
+            if residual > 0.5 * long_ago {
+                break;
+            }
+            long_ago = residual;
+        }
         if solves % SOLVES_PER_SHIFT == 0 {
             shift = closer_shift(matrix, &ritz, shift);
         }

@@ -124,7 +124,7 @@ fn draw_panel(root: &Area, area: &Area, panel: &Panel, legend: &[&Mark]) -> Draw
     });
     let x_span = axis::span(extent.iter().map(|p| p.0));
     let y_span = axis::span(extent.iter().map(|p| p.1).chain(levels));
-    let x_range = axis::range(panel.x_range, x_span, 0.04);
+    let x_range = axis::range(None, x_span, 0.04);
     let x_axis = Axis::of_numbers(x_range);
     let y_axis = if panel.categories.is_empty() {
         Axis::of_numbers(axis::range(panel.y_range, y_span, 0.06))

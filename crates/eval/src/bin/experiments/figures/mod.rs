@@ -59,7 +59,6 @@ pub struct Panel {
     title: String,
     x_label: String,
     y_label: String,
-    x_range: Option<(f64, f64)>,
     y_range: Option<(f64, f64)>,
     /// Names of the rows at y = 0, −1, −2, …; none where y is a number.
     categories: Vec<String>,
@@ -114,17 +113,10 @@ impl Panel {
             title: title.to_owned(),
             x_label: x_label.to_owned(),
             y_label: y_label.to_owned(),
-            x_range: None,
             y_range: None,
             categories: Vec::new(),
             marks: Vec::new(),
         }
-    }
-
-    /// Fixes the range of x, which otherwise fits the data; what lies beyond moves to the border.
-    pub fn x_range(mut self, low: f64, high: f64) -> Self {
-        self.x_range = Some((low, high));
-        self
     }
 
     /// Fixes the range of y, which otherwise fits the data; what lies beyond moves to the border.
@@ -165,15 +157,10 @@ impl Panel {
         }
     }
 
-    /// Overlaid histograms of `samples` over common bins: y is the share of the sample, in percent.
-    ///
-    /// The bins span the fixed range of x, if that was set before, or else all values.
-    pub fn histogram(self, samples: &[(String, Vec<f64>)], bins: usize) -> Self {
-        let all = samples.iter().flat_map(|(_, values)| values);
-        let (low, high) = axis::range(self.x_range, axis::span(all.copied()), 0.0);
-        samples.iter().fold(self, |panel, (label, values)| {
-            let steps = steps(&shares(values, low, high, bins.max(1)), low, high);
-            panel.with(label, Shape::Steps(steps))
+    /// Overlaid histograms: the heights of each over equal parts of `low..high`.
+    pub fn histograms(self, heights: &[(String, Vec<f64>)], low: f64, high: f64) -> Self {
+        heights.iter().fold(self, |panel, (label, heights)| {
+            panel.with(label, Shape::Steps(drawable(&steps(heights, low, high))))
         })
     }
 
@@ -236,21 +223,6 @@ fn drawable(points: &[Point]) -> Vec<Point> {
     points.iter().filter(both).copied().collect()
 }
 
-/// Percentage of the drawable values that fall into each of `bins` equal parts of `low..=high`.
-fn shares(values: &[f64], low: f64, high: f64, bins: usize) -> Vec<f64> {
-    let mut counts = vec![0_usize; bins];
-    let mut total = 0_usize;
-    for value in values.iter().filter(|v| is_drawable(**v)) {
-        total += 1;
-        if (low..=high).contains(value) {
-            let bin = (value - low) / (high - low) * bins as f64;
-            counts[(bin as usize).min(bins - 1)] += 1;
-        }
-    }
-    let share = |count| 100.0 * count as f64 / total.max(1) as f64;
-    counts.into_iter().map(share).collect()
-}
-
 /// Outline of bars of the given heights over equal parts of `low..high`.
 fn steps(heights: &[f64], low: f64, high: f64) -> Vec<Point> {
     let edge = |k: usize| low + (high - low) * k as f64 / heights.len() as f64;
@@ -296,7 +268,7 @@ mod tests {
                 .band(&series[0], &[0.1; 3], "95 %")
                 .level("mean", 0.5),
             new("scatter").scatter(&series),
-            new("histogram").histogram(&samples, 10),
+            new("histogram").histograms(&samples, 0.0, 1.0),
             new("bars").stacked_bars(&categories, &[named("match", &[1.0, 2.0])]),
         ]
     }
@@ -341,7 +313,7 @@ mod tests {
             new().lines(std::slice::from_ref(&none)),
             new().band(&none, &[1.0], ""),
             new().scatter(&[]),
-            new().histogram(&[named("none", &[])], 0),
+            new().histograms(&[named("none", &[])], 0.0, 1.0),
             new().stacked_bars(&[], &[named("none", &[1.0])]),
             new().stacked_bars(&["none".to_owned()], &[]),
         ]));
@@ -356,7 +328,7 @@ mod tests {
         let clean = Series::new("s", good.to_vec());
         let row = |s: Series| {
             let values: Vec<f64> = s.points.iter().map(|p| p.0).collect();
-            let new = || Panel::new("", "", "").x_range(0.0, 1.0);
+            let new = || Panel::new("", "", "");
             [
                 new().lines(std::slice::from_ref(&s)).level("", f64::NAN),
                 new().scatter(std::slice::from_ref(&s)),
@@ -367,16 +339,22 @@ mod tests {
         assert_eq!(svg(&row(mixed)), svg(&row(clean)));
         assert_valid(&svg(&[Panel::new("", "", "")
             .y_range(f64::NAN, 1.0)
-            .histogram(&[named("bad", &bad)], 3)
+            .histograms(&[named("bad", &bad)], 0.0, 1.0)
             .stacked_bars(&["c".to_owned()], &[named("p", &bad[1..])])]));
     }
 
     #[test]
-    fn shares_of_a_histogram_sum_to_all_values_within_its_range() {
-        let values = [0.0, 0.1, 0.5, 1.0, f64::NAN];
-        assert_eq!(shares(&values, 0.0, 1.0, 2), [50.0, 50.0]);
-        assert_eq!(shares(&values, 0.0, 0.4, 2), [50.0, 0.0]);
-        assert_eq!(shares(&[], 0.0, 1.0, 2), [0.0, 0.0]);
+    fn a_histogram_is_outlined_from_baseline_to_baseline() {
+        let outline = [
+            (0.0, 0.0),
+            (0.0, 3.0),
+            (1.0, 3.0),
+            (1.0, 5.0),
+            (2.0, 5.0),
+            (2.0, 0.0),
+        ];
+        assert_eq!(steps(&[3.0, 5.0], 0.0, 2.0), outline);
+        assert_eq!(steps(&[], 0.0, 2.0), [(0.0, 0.0), (2.0, 0.0)]);
     }
 
     #[test]

@@ -1,0 +1,169 @@
+//! The method without its parts (paper, table "Ablation study"), and other synchronisation methods on
+//! the method's own pose graphs.
+
+use std::collections::BTreeSet;
+use std::error::Error;
+
+use gmpcr::posegraph::{PoseGraph, PoseGraphError};
+use gmpcr::sync::{AdaptiveHistory, History, Method, SyncParams, synchronize};
+use gmpcr::{Registration, register};
+use rayon::prelude::*;
+
+use super::recall::lists;
+use crate::arguments::Arguments;
+use crate::records::{Record, Selection};
+use crate::reference;
+use crate::registering::{Judge, registered, sampled, threedmatch, world_poses};
+use crate::scene::Scene;
+use crate::table::{Table, percent};
+
+/// The rows of the paper's table.
+pub const ROWS: [&str; 5] = [
+    "baseline",
+    "+ pair selection",
+    "+ spectral filtering",
+    "+ memory coefficient",
+    "+ recovery term (full)",
+];
+
+/// What SGHR's authors use.
+const SGHR_ITERATIONS: usize = 50;
+
+pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
+    let mut records = Vec::new();
+    for run in 0..arguments.runs as usize {
+        let full = threedmatch(arguments);
+        let mut without = full.clone();
+        without.compatibility.retained_fraction = 1.0;
+        without.posegraph.neighbors = scene.scans.len().max(1);
+
+        let found = registered(scene, &full, run, arguments)?;
+        let scans = sampled(&scene.scans, &without, run, arguments);
+        let unselected = register(&scans, &without)?;
+        let (graph, complete_graph) = (&found.graph, &unselected.graph);
+        let unfiltered_graph = &selected_part(&unselected, full.posegraph.neighbors)?;
+
+        let sync = |method| SyncParams {
+            method,
+            ..full.sync.clone()
+        };
+        let sghr = sync(History::Sghr.into());
+        let mut rows = vec![
+            (ROWS[0], complete_graph, sghr.clone()),
+            (ROWS[1], unfiltered_graph, sghr.clone()),
+            (ROWS[2], graph, sghr.clone()),
+            (ROWS[3], graph, sync(without_recovery(full.sync.method))),
+            (ROWS[4], graph, full.sync.clone()),
+        ];
+        let longer = SyncParams {
+            iterations: SGHR_ITERATIONS,
+            ..sghr
+        };
+        rows.push(("sghr, 50 iterations", graph, longer));
+        let others = Method::ALL.into_iter().filter(|m| !is_row_of_the_table(m));
+        rows.extend(others.map(|method| (method.name(), graph, sync(method))));
+        records.extend(judge_rows(scene, run, &rows)?);
+    }
+    Ok(records)
+}
+
+/// The edges of a registration of all pairs that a selection by confidence would have kept.
+fn selected_part(unselected: &Registration, neighbors: usize) -> Result<PoseGraph, PoseGraphError> {
+    let confidences = &unselected.confidences;
+    let ends = |position: usize| {
+        let pair = &confidences.pairs()[position];
+        (pair.i, pair.j)
+    };
+    let selected: BTreeSet<_> = confidences
+        .top_k_union(neighbors)
+        .into_iter()
+        .map(ends)
+        .collect();
+    let edges = unselected.graph.edges().iter();
+    let kept = edges.filter(|edge| selected.contains(&(edge.i, edge.j)));
+    PoseGraph::new(confidences.num_scans(), kept.copied().collect())
+}
+
+type Row<'a> = (&'a str, &'a PoseGraph, SyncParams);
+
+fn judge_rows(scene: &Scene, run: usize, rows: &[Row]) -> Result<Vec<Record>, Box<dyn Error>> {
+    let judge = |(configuration, graph, params): &Row| {
+        let found = synchronize(graph, params);
+        let poses = world_poses(&found.world_from_scan, &found.components);
+        let judge = Judge {
+            scene,
+            configuration,
+            run,
+        };
+        judge.judge(&poses)
+    };
+    let judged: Result<Vec<_>, _> = rows.par_iter().map(judge).collect();
+    Ok(judged?.concat())
+}
+
+fn without_recovery(method: Method) -> Method {
+    match method {
+        Method::HistoryAware(History::Adaptive(history)) => {
+            let history = AdaptiveHistory {
+                recovery: 0.0,
+                ..history
+            };
+            History::Adaptive(history).into()
+        }
+        other => other,
+    }
+}
+
+fn is_row_of_the_table(method: &Method) -> bool {
+    matches!(
+        method,
+        Method::HistoryAware(History::Adaptive(_) | History::Sghr)
+    )
+}
+
+pub fn report(records: &Selection, descriptors: &str, text: &mut String) {
+    let (rows, others): (Vec<_>, Vec<_>) = records
+        .configurations()
+        .into_iter()
+        .partition(|row| ROWS.contains(&row.as_str()));
+    let title = format!("Ablation, registration recall (%), {descriptors} descriptors");
+    table(title, &rows, records).append_to(text);
+    reference::ablation_table().append_to(text);
+    let title = format!(
+        "Synchronisation methods on the same pose graphs, registration recall (%), {descriptors} descriptors"
+    );
+    let reference = ROWS[4].to_owned();
+    let methods: Vec<String> = std::iter::once(reference).chain(others).collect();
+    table(title, &methods, records).append_to(text);
+}
+
+fn table(title: String, rows: &[String], records: &Selection) -> Table {
+    let lists = lists(records);
+    let scenes: Vec<&str> = records.scenes.iter().map(|(scene, _)| *scene).collect();
+    let mut header = vec!["configuration".to_owned()];
+    for column in scenes.iter().chain([&"mean"]) {
+        header.extend(lists.iter().map(|list| format!("{column} {list}")));
+    }
+    header.extend(
+        lists
+            .iter()
+            .map(|list| format!("mean {list}, conjugate sign")),
+    );
+    let mut table = Table::new(title, header);
+    for row in rows {
+        let mut cells = vec![row.clone()];
+        for scene in &scenes {
+            let of_scene = lists
+                .iter()
+                .map(|list| records.scene_spread(scene, row, list));
+            cells.extend(of_scene.map(percent));
+        }
+        cells.extend(
+            lists
+                .iter()
+                .map(|list| percent(records.mean_spread(row, list))),
+        );
+        table.row(cells);
+    }
+    table
+}

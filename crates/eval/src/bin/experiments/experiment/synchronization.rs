@@ -1,0 +1,378 @@
+//! All synchronisation methods on pose graphs of which a share of the edges is wrong.
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+use gmpcr::posegraph::{PoseEdge, PoseGraph};
+use gmpcr::sync::{Method, SyncParams, synchronize};
+use gmpcr_eval::{Gauge, absolute_errors};
+use gmpcr_io::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
+use gmpcr_sim::{EdgeWeights, Outliers, PoseGraphSimParams, Topology, simulate_pose_graph};
+use indicatif::ProgressBar;
+use nalgebra::{Isometry3, Matrix6, Vector6};
+use rayon::prelude::*;
+
+use crate::arguments::Arguments;
+use crate::records::{Record, Selection, Store, Unit};
+use crate::reference;
+use crate::table::{Table, number};
+
+const EXPERIMENT: &str = "sync";
+const FILES: &str = "files";
+const STATISTICS: [&str; 5] = [
+    "rotation mean",
+    "rotation median",
+    "translation mean",
+    "translation median",
+    "seconds",
+];
+
+/// A family of simulated graphs: one table.
+struct Family {
+    name: &'static str,
+    title: &'static str,
+    params: PoseGraphSimParams,
+    /// Shares of wrong edges in percent.
+    outliers: &'static [u32],
+    /// Graphs per share, in multiples of the runs that are asked for.
+    graphs_per_run: usize,
+}
+
+fn families() -> Vec<Family> {
+    let random = PoseGraphSimParams::default();
+    let geometric = |num_scans| PoseGraphSimParams {
+        num_scans,
+        topology: Topology::Geometric,
+        ..random
+    };
+    let family = |name, title, params, outliers, graphs_per_run| Family {
+        name,
+        title,
+        params,
+        outliers,
+        graphs_per_run,
+    };
+    let coherent = PoseGraphSimParams {
+        outliers: Outliers::Coherent,
+        ..random
+    };
+    let informative = PoseGraphSimParams {
+        weights: EdgeWeights::Informative,
+        ..random
+    };
+    vec![
+        family(
+            "uniform",
+            "50 scans, random edges, uniform outliers",
+            random,
+            &[0, 10, 20, 30, 40, 50, 60],
+            4,
+        ),
+        family(
+            "coherent",
+            "50 scans, random edges, self-consistent outliers",
+            coherent,
+            &[10, 20, 30, 40, 50, 60],
+            4,
+        ),
+        family(
+            "informative",
+            "50 scans, random edges, uniform outliers, weights that tell",
+            informative,
+            &[20, 40, 60],
+            4,
+        ),
+        family(
+            "geometric500",
+            "500 scans, edges between neighbours, uniform outliers",
+            geometric(500),
+            &[0, 20, 40],
+            1,
+        ),
+        family(
+            "geometric5000",
+            "5000 scans, edges between neighbours, uniform outliers",
+            geometric(5000),
+            &[0, 20, 40],
+            0,
+        ),
+    ]
+}
+
+impl Family {
+    fn num_graphs(&self, arguments: &Arguments) -> usize {
+        (self.graphs_per_run * arguments.runs as usize).max(1)
+    }
+}
+
+/// A pose graph and its true poses.
+struct Problem {
+    graph: PoseGraph,
+    world_from_scan: Vec<Isometry3<f64>>,
+}
+
+/// Runs what is not in the store yet. Returns what failed.
+pub fn run_all(
+    arguments: &Arguments,
+    store: &mut Store,
+    progress: &ProgressBar,
+) -> Result<(), Vec<String>> {
+    let mut failures = Vec::new();
+    for family in families() {
+        for &percent in family.outliers {
+            progress.set_message(format!("{}, {percent} % wrong", family.title));
+            let scene = format!("{percent:02}");
+            let unit = Unit {
+                experiment: EXPERIMENT,
+                descriptors: family.name,
+                scene: &scene,
+            };
+            if !store.holds(&unit) {
+                let outcome = run_family(&family, percent, arguments)
+                    .and_then(|records| store.add(unit, records));
+                let named = |error| format!("{}, {percent} %: {error}", family.title);
+                failures.extend(outcome.err().map(named));
+            }
+        }
+    }
+    for file in &arguments.graphs {
+        let scene = file.file_stem().unwrap_or_default().to_string_lossy();
+        let unit = Unit {
+            experiment: EXPERIMENT,
+            descriptors: FILES,
+            scene: &scene,
+        };
+        if !store.holds(&unit) {
+            let outcome = read_problem(file)
+                .and_then(|problem| run_methods(&problem, 0))
+                .and_then(|records| store.add(unit, records));
+            failures.extend(outcome.err().map(|error| error.to_string()));
+        }
+    }
+    progress.inc(1);
+    if failures.is_empty() {
+        Ok(())
+    } else {
+        Err(failures)
+    }
+}
+
+/// All graphs of a family with this share of wrong edges; the first is kept as a file.
+fn run_family(
+    family: &Family,
+    percent: u32,
+    arguments: &Arguments,
+) -> Result<Vec<Record>, Box<dyn Error>> {
+    let mut records = Vec::new();
+    for run in 0..family.num_graphs(arguments) {
+        let params = PoseGraphSimParams {
+            seed: arguments.seed + run as u64,
+            outlier_share: f64::from(percent) / 100.0,
+            ..family.params
+        };
+        let problem = simulated_problem(&params)?;
+        if run == 0 {
+            let folder = arguments.out.join("graphs");
+            fs::create_dir_all(&folder)?;
+            let file = folder.join(format!("{}_{percent:02}.g2o", family.name));
+            write_problem(&file, &problem, &params)?;
+        }
+        records.extend(run_methods(&problem, run)?);
+    }
+    Ok(records)
+}
+
+fn simulated_problem(params: &PoseGraphSimParams) -> Result<Problem, Box<dyn Error>> {
+    let simulated = simulate_pose_graph(params)?;
+    let edges = simulated.edges.iter().map(|edge| PoseEdge {
+        i: edge.i,
+        j: edge.j,
+        i_from_j: edge.i_from_j,
+        weight: edge.weight,
+    });
+    Ok(Problem {
+        graph: PoseGraph::new(params.num_scans, edges.collect())?,
+        world_from_scan: simulated.world_from_scan,
+    })
+}
+
+/// Writes a graph with the true poses as vertices, for other programs and for `--graphs`.
+fn write_problem(
+    file: &Path,
+    problem: &Problem,
+    params: &PoseGraphSimParams,
+) -> Result<(), gmpcr_io::Error> {
+    let (rotation, translation) = (
+        params.rotation_noise.powi(-2),
+        params.translation_noise.powi(-2),
+    );
+    let [t, r] = [translation, rotation];
+    let information = Matrix6::from_diagonal(&Vector6::new(t, t, t, r, r, r));
+    let vertices = problem.world_from_scan.iter().enumerate();
+    let edges = problem.graph.edges().iter();
+    let graph = G2o {
+        vertices: vertices
+            .map(|(id, pose)| G2oVertex {
+                id,
+                world_from_vertex: *pose,
+            })
+            .collect(),
+        edges: edges
+            .map(|edge| G2oEdge {
+                i: edge.i,
+                j: edge.j,
+                i_from_j: edge.i_from_j,
+                information,
+            })
+            .collect(),
+    };
+    write_g2o(file, &graph)
+}
+
+/// Reads a graph whose vertices are the truth; all edges weigh the same.
+fn read_problem(file: &Path) -> Result<Problem, Box<dyn Error>> {
+    let read = read_g2o(file)?;
+    let place = |id: usize| {
+        let found = read.vertices.iter().position(|vertex| vertex.id == id);
+        found.ok_or_else(|| format!("{}: no VERTEX_SE3:QUAT {id}", file.display()))
+    };
+    let edges: Result<Vec<_>, String> = read
+        .edges
+        .iter()
+        .map(|edge| {
+            Ok(PoseEdge {
+                i: place(edge.i)?,
+                j: place(edge.j)?,
+                i_from_j: edge.i_from_j,
+                weight: 1.0,
+            })
+        })
+        .collect();
+    let poses = read.vertices.iter().map(|vertex| vertex.world_from_vertex);
+    Ok(Problem {
+        graph: PoseGraph::new(read.vertices.len(), edges?)?,
+        world_from_scan: poses.collect(),
+    })
+}
+
+fn run_methods(problem: &Problem, run: usize) -> Result<Vec<Record>, Box<dyn Error>> {
+    let records = Method::ALL
+        .par_iter()
+        .map(|method| run_method(problem, *method, run));
+    let records: Result<Vec<_>, gmpcr_eval::Error> = records.collect();
+    Ok(records?.concat())
+}
+
+fn run_method(
+    problem: &Problem,
+    method: Method,
+    run: usize,
+) -> Result<Vec<Record>, gmpcr_eval::Error> {
+    let params = SyncParams {
+        method,
+        ..SyncParams::default()
+    };
+    let start = Instant::now();
+    let found = synchronize(&problem.graph, &params);
+    let seconds = start.elapsed().as_secs_f64();
+    let errors = absolute_errors(
+        &found.world_from_scan,
+        &problem.world_from_scan,
+        Gauge::LeastAbsolute,
+    )?;
+    let mut degrees: Vec<f64> = errors
+        .iter()
+        .map(|error| error.rotation_degrees())
+        .collect();
+    let mut metres: Vec<f64> = errors.iter().map(|error| error.translation).collect();
+    let values = [
+        mean(&degrees),
+        median(&mut degrees),
+        mean(&metres),
+        median(&mut metres),
+        seconds,
+    ];
+    let record = |(statistic, value)| Record::new(method.name(), run, statistic, value);
+    Ok(STATISTICS.into_iter().zip(values).map(record).collect())
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+pub fn report(store: &Store, text: &mut String) {
+    for family in families() {
+        let records = store.select(EXPERIMENT, family.name);
+        if !records.scenes.is_empty() {
+            report_family(&family, &records, text);
+        }
+    }
+    let records = store.select(EXPERIMENT, FILES);
+    for (scene, _) in &records.scenes {
+        let header = ["method"].into_iter().chain(STATISTICS);
+        let mut table = Table::new(format!("{scene}: errors (°, m) and time"), header);
+        for method in records.configurations() {
+            let figure =
+                |statistic| number(records.scene_spread(scene, &method, statistic), 1.0, 3);
+            table.row([method.clone()].into_iter().chain(STATISTICS.map(figure)));
+        }
+        table.append_to(text);
+    }
+}
+
+fn report_family(family: &Family, records: &Selection, text: &mut String) {
+    let title = format!(
+        "{}: rotation error (°), mean / median over scans, mean over graphs, and time",
+        family.title
+    );
+    let shares = family.outliers.iter().map(|percent| format!("{percent} %"));
+    let header = ["method".to_owned()]
+        .into_iter()
+        .chain(shares)
+        .chain(["ms".to_owned()]);
+    let mut table = Table::new(title, header);
+    for method in records.configurations() {
+        let figure = |percent: u32, statistic, factor, digits| {
+            let scene = format!("{percent:02}");
+            number(
+                records.scene_spread(&scene, &method, statistic),
+                factor,
+                digits,
+            )
+        };
+        let mut row = vec![method.clone()];
+        row.extend(family.outliers.iter().map(|&percent| {
+            let [mean, median] =
+                ["rotation mean", "rotation median"].map(|s| figure(percent, s, 1.0, 2));
+            format!("{mean} / {median}")
+        }));
+        let time = |&percent: &u32| figure(percent, "seconds", 1e3, 1);
+        let times = [family.outliers.first(), family.outliers.last()];
+        row.push(
+            times
+                .into_iter()
+                .flatten()
+                .map(time)
+                .collect::<Vec<_>>()
+                .join("–"),
+        );
+        table.row(row);
+    }
+    for (system, figures, time) in reference::synchronization(family.name) {
+        let cell = |percent: &u32| {
+            let found = figures.iter().find(|(share, _)| share == percent);
+            found.map_or("–", |(_, figure)| *figure).to_owned()
+        };
+        let cells = family.outliers.iter().map(cell);
+        let row = [format!("*{system}*")].into_iter().chain(cells);
+        table.row(row.chain([(*time).to_owned()]));
+    }
+    table.append_to(text);
+}

@@ -1,0 +1,84 @@
+//! Time of each stage (paper, table "Average runtime for registering one 3DMatch scene").
+
+use std::error::Error;
+use std::path::Path;
+
+use gmpcr::register;
+
+use crate::arguments::Arguments;
+use crate::figures::{Panel, write_figure};
+use crate::records::{Record, Selection};
+use crate::reference;
+use crate::registering::threedmatch;
+use crate::scene::Scene;
+use crate::table::{Table, number};
+
+const DESCRIPTION: &str = "normals and FPFH";
+const CONFIGURATION: &str = "3DMatch preset";
+
+pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
+    let mut records = vec![
+        Record::new(CONFIGURATION, 0, "scans", scene.scans.len() as f64),
+        Record::new(
+            CONFIGURATION,
+            0,
+            DESCRIPTION,
+            scene.description.as_secs_f64(),
+        ),
+    ];
+    for run in 0..arguments.runs as usize {
+        let found = register(&scene.scans, &threedmatch(arguments))?;
+        let stages = found.times.stages().into_iter();
+        records.extend(
+            stages.map(|(stage, time)| Record::new(CONFIGURATION, run, stage, time.as_secs_f64())),
+        );
+    }
+    Ok(records)
+}
+
+/// The stages that there are times for, in order.
+fn stages(records: &Selection) -> Vec<String> {
+    let mut stages: Vec<String> = Vec::new();
+    for record in records.scenes.iter().flat_map(|(_, records)| *records) {
+        if record.metric != "scans" && !stages.contains(&record.metric) {
+            stages.push(record.metric.clone());
+        }
+    }
+    stages
+}
+
+pub fn report(
+    records: &Selection,
+    descriptors: &str,
+    figure: &Path,
+    text: &mut String,
+) -> Result<(), Box<dyn Error>> {
+    let stages = stages(records);
+    let mut header = vec!["scene".to_owned(), "scans".to_owned()];
+    header.extend(stages.iter().map(|stage| format!("{stage} (ms)")));
+    let title = format!("Time per stage, {descriptors} descriptors");
+    let mut table = Table::new(title, header);
+    let seconds = |scene: &str, stage: &str| records.scene_spread(scene, CONFIGURATION, stage);
+    for (scene, _) in &records.scenes {
+        let mut row = vec![(*scene).to_owned(), number(seconds(scene, "scans"), 1.0, 0)];
+        let times = stages.iter().map(|stage| seconds(scene, stage));
+        row.extend(times.map(|time| number(time, 1e3, 1)));
+        table.row(row);
+    }
+    table.append_to(text);
+    reference::time_table().append_to(text);
+    let names: Vec<String> = records
+        .scenes
+        .iter()
+        .map(|(scene, _)| (*scene).to_owned())
+        .collect();
+    let part = |stage: &String| {
+        let times = names
+            .iter()
+            .map(|scene| seconds(scene, stage).map_or(0.0, |time| time.mean));
+        (stage.clone(), times.collect())
+    };
+    let parts: Vec<(String, Vec<f64>)> = stages.iter().map(part).collect();
+    let panel = Panel::new("time per stage", "seconds", "").stacked_bars(&names, &parts);
+    Ok(write_figure(figure, &[panel])?)
+}

@@ -1,0 +1,317 @@
+//! The figures that experiments yield, kept in files so that a stopped run can go on.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::{error, fs};
+
+use gmpcr_eval::Spread;
+
+/// One figure: what was run, in which of several runs, what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Row of a table: a method, a number of views, ...
+    pub configuration: String,
+    /// Number of the run.
+    pub run: usize,
+    /// What was measured.
+    pub metric: String,
+    /// The figure.
+    pub value: f64,
+}
+
+impl Record {
+    pub fn new(
+        configuration: impl Into<String>,
+        run: usize,
+        metric: impl Into<String>,
+        value: f64,
+    ) -> Self {
+        Self {
+            configuration: configuration.into(),
+            run,
+            metric: metric.into(),
+            value,
+        }
+    }
+}
+
+/// An experiment on one scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unit<'a> {
+    pub experiment: &'a str,
+    pub descriptors: &'a str,
+    pub scene: &'a str,
+}
+
+/// (experiment, descriptors, scene)
+type Key = (String, String, String);
+
+impl Unit<'_> {
+    fn key(&self) -> Key {
+        let Self {
+            experiment,
+            descriptors,
+            scene,
+        } = *self;
+        (experiment.into(), descriptors.into(), scene.into())
+    }
+}
+
+/// The records of all units, in memory and as `records/<experiment>/<descriptors>/<scene>.csv`.
+pub struct Store {
+    folder: PathBuf,
+    settings: String,
+    units: BTreeMap<Key, Vec<Record>>,
+}
+
+impl Store {
+    /// Opens a folder and reads its records of the same settings.
+    pub fn open(out: &Path, settings: &str, fresh: bool) -> Result<Self, Box<dyn error::Error>> {
+        let mut store = Self {
+            folder: out.join("records"),
+            settings: format!("# {settings}"),
+            units: BTreeMap::new(),
+        };
+        fs::create_dir_all(&store.folder)
+            .map_err(|error| format!("cannot create {}: {error}", store.folder.display()))?;
+        if !fresh {
+            for experiment in sorted_entries(&store.folder)? {
+                for descriptors in sorted_entries(&experiment)? {
+                    for file in sorted_entries(&descriptors)? {
+                        store.read(&file)?;
+                    }
+                }
+            }
+        }
+        Ok(store)
+    }
+
+    fn read(&mut self, file: &Path) -> Result<(), Box<dyn error::Error>> {
+        if file.extension().is_none_or(|extension| extension != "csv") {
+            return Ok(());
+        }
+        let text = fs::read_to_string(file)
+            .map_err(|error| format!("cannot read {}: {error}", file.display()))?;
+        if text.lines().next() != Some(&self.settings) {
+            return Ok(());
+        }
+        let malformed = || format!("{} is not a file of records: delete it", file.display());
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .from_reader(text.as_bytes());
+        let mut records = Vec::new();
+        for row in reader.records() {
+            let row = row.map_err(|_| malformed())?;
+            let record = parse(&row).ok_or_else(malformed)?;
+            records.push(record);
+        }
+        let mut names = file
+            .components()
+            .rev()
+            .filter_map(|c| c.as_os_str().to_str());
+        let mut name = || names.next().map(str::to_owned).ok_or_else(malformed);
+        let scene = name()?.trim_end_matches(".csv").to_owned();
+        let (descriptors, experiment) = (name()?, name()?);
+        self.units.insert((experiment, descriptors, scene), records);
+        Ok(())
+    }
+
+    /// Whether the records of a unit are there.
+    pub fn holds(&self, unit: &Unit) -> bool {
+        self.units.contains_key(&unit.key())
+    }
+
+    /// Takes the records of a unit and writes them to its file.
+    pub fn add(&mut self, unit: Unit, records: Vec<Record>) -> Result<(), Box<dyn error::Error>> {
+        let folder = self.folder.join(unit.experiment).join(unit.descriptors);
+        fs::create_dir_all(&folder)
+            .map_err(|error| format!("cannot create {}: {error}", folder.display()))?;
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(["configuration", "run", "metric", "value"])?;
+        for record in &records {
+            let (run, value) = (record.run.to_string(), record.value.to_string());
+            writer.write_record([&record.configuration, &run, &record.metric, &value])?;
+        }
+        let rows = String::from_utf8(writer.into_inner()?)?;
+        let text = format!("{}\n{rows}", self.settings);
+        write_text(&folder.join(format!("{}.csv", unit.scene)), &text)?;
+        self.units.insert(unit.key(), records);
+        Ok(())
+    }
+
+    /// Descriptors that an experiment has records for.
+    pub fn descriptors(&self, experiment: &str) -> Vec<&str> {
+        let of_it = self.units.keys().filter(|key| key.0 == experiment);
+        let mut names: Vec<&str> = of_it.map(|key| key.1.as_str()).collect();
+        names.dedup();
+        names
+    }
+
+    /// The records of one experiment with one kind of descriptors.
+    pub fn select(&self, experiment: &str, descriptors: &str) -> Selection<'_> {
+        let of_it = |(key, _): &(&Key, _)| key.0 == experiment && key.1 == descriptors;
+        let scenes = self.units.iter().filter(of_it);
+        Selection {
+            scenes: scenes
+                .map(|(key, records)| (key.2.as_str(), records.as_slice()))
+                .collect(),
+        }
+    }
+}
+
+fn parse(row: &csv::StringRecord) -> Option<Record> {
+    let (run, value) = (row.get(1)?.parse().ok()?, row.get(3)?.parse().ok()?);
+    Some(Record::new(row.get(0)?, run, row.get(2)?, value))
+}
+
+fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn error::Error>> {
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let list = |error| format!("cannot list {}: {error}", folder.display());
+    let entries: Result<Vec<_>, io::Error> = fs::read_dir(folder).map_err(list)?.collect();
+    let mut paths: Vec<_> = entries
+        .map_err(list)?
+        .iter()
+        .map(fs::DirEntry::path)
+        .collect();
+    paths.sort();
+    Ok(paths)
+}
+
+/// Writes a file that is complete or absent.
+pub fn write_text(path: &Path, text: &str) -> Result<(), Box<dyn error::Error>> {
+    let temporary = path.with_extension("tmp");
+    fs::write(&temporary, text)
+        .and_then(|()| fs::rename(&temporary, path))
+        .map_err(|error| format!("cannot write {}: {error}", path.display()).into())
+}
+
+/// Records of one experiment, scene by scene.
+pub struct Selection<'a> {
+    pub scenes: Vec<(&'a str, &'a [Record])>,
+}
+
+impl Selection<'_> {
+    /// The configurations in the order in which they were recorded first.
+    pub fn configurations(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for record in self.scenes.iter().flat_map(|(_, records)| *records) {
+            if !names.contains(&record.configuration) {
+                names.push(record.configuration.clone());
+            }
+        }
+        names
+    }
+
+    /// Figures of all runs on one scene, by run.
+    pub fn of_scene(&self, scene: &str, configuration: &str, metric: &str) -> Vec<(usize, f64)> {
+        let scenes = self.scenes.iter().filter(|(name, _)| *name == scene);
+        let records = scenes.flat_map(|(_, records)| *records);
+        let wanted = records.filter(|r| r.configuration == configuration && r.metric == metric);
+        wanted.map(|record| (record.run, record.value)).collect()
+    }
+
+    /// Mean and spread over the runs on one scene.
+    pub fn scene_spread(&self, scene: &str, configuration: &str, metric: &str) -> Option<Spread> {
+        let figures = self.of_scene(scene, configuration, metric);
+        let values: Vec<f64> = figures.into_iter().map(|(_, value)| value).collect();
+        Spread::of(&values)
+    }
+
+    /// Spread over the runs of the mean over the scenes, each scene weighing the same.
+    pub fn mean_spread(&self, configuration: &str, metric: &str) -> Option<Spread> {
+        let means: Vec<f64> = self
+            .by_run(configuration, metric)
+            .values()
+            .map(|values| values.iter().sum::<f64>() / values.len() as f64)
+            .collect();
+        Spread::of(&means)
+    }
+
+    /// Spread over the runs of the sum over the scenes of one metric by that of another.
+    pub fn ratio_spread(&self, configuration: &str, part: &str, whole: &str) -> Option<Spread> {
+        let (parts, wholes) = (
+            self.by_run(configuration, part),
+            self.by_run(configuration, whole),
+        );
+        let sum = |values: &[f64]| values.iter().sum::<f64>();
+        let ratios: Vec<f64> = parts
+            .iter()
+            .filter_map(|(run, part)| Some(sum(part) / sum(wholes.get(run)?)))
+            .collect();
+        Spread::of(&ratios)
+    }
+
+    fn by_run(&self, configuration: &str, metric: &str) -> BTreeMap<usize, Vec<f64>> {
+        let mut runs: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for (scene, _) in &self.scenes {
+            for (run, value) in self.of_scene(scene, configuration, metric) {
+                runs.entry(run).or_default().push(value);
+            }
+        }
+        runs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNIT: Unit = Unit {
+        experiment: "recall",
+        descriptors: "fpfh",
+        scene: "a",
+    };
+
+    #[test]
+    fn records_survive_and_those_of_other_settings_do_not_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let records = vec![Record::new("K, \"6\"", 1, "3dmatch", 0.1 + 0.2)];
+        let mut store = Store::open(folder.path(), "seed 0", false).unwrap();
+        store.add(UNIT, records.clone()).unwrap();
+        let again = Store::open(folder.path(), "seed 0", false).unwrap();
+        assert!(again.holds(&UNIT));
+        assert_eq!(
+            again.select("recall", "fpfh").scenes,
+            [("a", records.as_slice())]
+        );
+        for (settings, fresh) in [("seed 1", false), ("seed 0", true)] {
+            let other = Store::open(folder.path(), settings, fresh).unwrap();
+            assert!(!other.holds(&UNIT));
+        }
+    }
+
+    #[test]
+    fn a_foreign_file_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("records/recall/fpfh");
+        fs::create_dir_all(&place).unwrap();
+        fs::write(place.join("a.csv"), "# seed 0\nconfiguration,run\nx,y\n").unwrap();
+        let error = Store::open(folder.path(), "seed 0", false).err().unwrap();
+        assert!(error.to_string().contains("a.csv"), "{error}");
+    }
+
+    #[test]
+    fn means_weigh_scenes_alike_and_ratios_weigh_pairs_alike() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path(), "", false).unwrap();
+        for (scene, registered, pairs) in [("a", 1.0, 1.0), ("b", 1.0, 3.0)] {
+            let figure = |metric, value| Record::new("c", 0, metric, value);
+            let share = figure("share", registered / pairs);
+            let records = vec![
+                share,
+                figure("registered", registered),
+                figure("pairs", pairs),
+            ];
+            store.add(Unit { scene, ..UNIT }, records).unwrap();
+        }
+        let selection = store.select("recall", "fpfh");
+        let mean = selection.mean_spread("c", "share").unwrap().mean;
+        assert!((mean - 2.0 / 3.0).abs() < 1e-12);
+        let pooled = selection.ratio_spread("c", "registered", "pairs").unwrap();
+        assert_eq!((pooled.mean, pooled.count), (0.5, 1));
+        assert!(selection.mean_spread("d", "share").is_none());
+    }
+}

@@ -1,0 +1,189 @@
+//! Registration of scenes from chosen sampling starts, and how well it went.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use gmpcr::correspondence::{farthest_point_sampling, farthest_point_sampling_from};
+use gmpcr::posegraph::Components;
+use gmpcr::{Params, Registration, Scan, register};
+use gmpcr_eval::{
+    PairErrors, RotationSign, SCANNET_DEGREES, SCANNET_METRES, WorldPoses, pairwise_recall,
+};
+use nalgebra::Isometry3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::arguments::Arguments;
+use crate::records::Record;
+use crate::scene::{MatchList, Scene};
+
+/// The paper's parameters for 3DMatch at the working voxel.
+pub fn threedmatch(arguments: &Arguments) -> Params {
+    Params::threedmatch().with_tolerance(2.0 * arguments.voxel)
+}
+
+/// The paper's parameters for 3DLoMatch at the working voxel.
+pub fn threedlomatch(arguments: &Arguments) -> Params {
+    Params::threedlomatch().with_tolerance(2.0 * arguments.voxel)
+}
+
+/// Scans reduced to their samples, from which registration takes all. Run 0 starts the sampling as
+/// the method does, at the descriptor farthest from the mean; other runs start anywhere.
+pub fn sampled(scans: &[Scan], params: &Params, run: usize, arguments: &Arguments) -> Vec<Scan> {
+    let num_samples = params.correspondence.num_samples;
+    let sample = |(index, scan): (usize, &Scan)| {
+        let descriptors = scan.descriptors();
+        let rows = if run == 0 || scan.is_empty() {
+            farthest_point_sampling(descriptors, num_samples)
+        } else {
+            let mut rng = generator(arguments.seed, run, index);
+            let first = rng.random_range(0..scan.len());
+            farthest_point_sampling_from(descriptors, first, num_samples)
+        };
+        let points = rows.iter().map(|&row| scan.points()[row]).collect();
+        Scan::new(points, descriptors.select(&rows)).expect("rows of a scan form a scan")
+    };
+    scans.par_iter().enumerate().map(sample).collect()
+}
+
+/// Registrations by parameters and run.
+#[derive(Default)]
+pub struct Registrations(Mutex<BTreeMap<(String, usize), Arc<Registration>>>);
+
+/// Registers a scene from the sampling start of a run, or finds that it was done before.
+pub fn registered(
+    scene: &Scene,
+    params: &Params,
+    run: usize,
+    arguments: &Arguments,
+) -> Result<Arc<Registration>, gmpcr::Error> {
+    let key = (format!("{params:?}"), run);
+    let known = || {
+        scene
+            .registrations
+            .0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    };
+    if let Some(found) = known().get(&key) {
+        return Ok(found.clone());
+    }
+    let scans = sampled(&scene.scans, params, run, arguments);
+    let found = Arc::new(register(&scans, params)?);
+    known().insert(key, found.clone());
+    Ok(found)
+}
+
+/// The random numbers of one purpose in one run.
+pub fn generator(seed: u64, run: usize, purpose: usize) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream((run as u64) << 32 | purpose as u64);
+    rng
+}
+
+/// The result of a registration in the form that the protocols take.
+pub fn world_poses(world_from_scan: &[Isometry3<f64>], components: &Components) -> WorldPoses {
+    let poses = world_from_scan.iter().copied().map(Some).collect();
+    WorldPoses::new(poses, components.labels().to_vec()).expect("one label per pose")
+}
+
+/// Figures of one result on all lists of a scene, as records of one configuration and run.
+pub struct Judge<'a> {
+    pub scene: &'a Scene,
+    pub configuration: &'a str,
+    pub run: usize,
+}
+
+impl Judge<'_> {
+    /// Recalls (share, number registered, number of pairs, in both signs), and pairs within 15° and
+    /// 0.3 m with mean and median errors.
+    pub fn judge(&self, poses: &WorldPoses) -> Result<Vec<Record>, gmpcr_eval::Error> {
+        self.judge_pairs(poses, |_, _| true)
+    }
+
+    /// The same on the pairs that are wanted.
+    pub fn judge_pairs(
+        &self,
+        poses: &WorldPoses,
+        is_wanted: impl Fn(usize, usize) -> bool,
+    ) -> Result<Vec<Record>, gmpcr_eval::Error> {
+        let mut records = Vec::new();
+        for list in &self.scene.lists {
+            let wanted = list.pairs.iter().filter(|pair| is_wanted(pair.i, pair.j));
+            let wanted = MatchList {
+                name: list.name.clone(),
+                pairs: wanted.copied().collect(),
+                ..*list
+            };
+            if wanted.has_information {
+                self.recalls(&wanted, poses, &mut records)?;
+            }
+            self.errors(&wanted, poses, &mut records)?;
+        }
+        Ok(records)
+    }
+
+    fn record(&self, metric: String, value: f64) -> Record {
+        Record::new(self.configuration, self.run, metric, value)
+    }
+
+    fn recalls(
+        &self,
+        list: &MatchList,
+        poses: &WorldPoses,
+        records: &mut Vec<Record>,
+    ) -> Result<(), gmpcr_eval::Error> {
+        let name = &list.name;
+        let signs = [
+            (RotationSign::Benchmark, ""),
+            (RotationSign::Conjugate, " conjugate"),
+        ];
+        for (sign, suffix) in signs {
+            let estimate = |i, j| poses.i_from_j(i, j);
+            let num_scans = poses.num_scans();
+            let recall = pairwise_recall(&list.pairs, num_scans, list.protocol, sign, estimate)?;
+            if let Some(share) = recall.share() {
+                records.push(self.record(format!("{name}{suffix}"), share));
+                let (registered, total) = (recall.registered as f64, recall.total as f64);
+                records.push(self.record(format!("{name}{suffix} registered"), registered));
+                records.push(self.record(format!("{name}{suffix} pairs"), total));
+            }
+            if sign == RotationSign::Benchmark {
+                for (i, j) in recall.unjudgeable {
+                    records.push(self.record(format!("{name} unjudgeable pair {i} {j}"), 1.0));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn errors(
+        &self,
+        list: &MatchList,
+        poses: &WorldPoses,
+        records: &mut Vec<Record>,
+    ) -> Result<(), gmpcr_eval::Error> {
+        let name = &list.name;
+        let errors = PairErrors::of_pairs(&list.pairs, poses)?;
+        if let Some(share) = errors.recall() {
+            records.push(self.record(format!("{name} within 15° and 0.3 m"), share));
+        }
+        for (statistic, error) in [("mean", errors.mean()), ("median", errors.median())] {
+            if let Some(error) = error {
+                let degrees = error.rotation_degrees();
+                records.push(self.record(format!("{name} {statistic} degrees"), degrees));
+                records.push(self.record(format!("{name} {statistic} metres"), error.translation));
+            }
+        }
+        if let Some(shares) = errors.scannet_shares() {
+            for (limit, share) in SCANNET_DEGREES.iter().zip(shares.rotation) {
+                records.push(self.record(format!("{name} under {limit}°"), share));
+            }
+            for (limit, share) in SCANNET_METRES.iter().zip(shares.translation) {
+                records.push(self.record(format!("{name} under {limit} m"), share));
+            }
+        }
+        Ok(())
+    }
+}
