@@ -37,7 +37,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Voxel size for FPFH in metres; tolerances are two voxels.
-    #[arg(long, default_value_t = 0.05, value_parser = positive)]
+    #[arg(long, default_value_t = 0.05, value_parser = positive, allow_hyphen_values = true)]
     pub voxel: f64,
     /// Pose graphs (g2o) to synchronise besides the simulated ones; their vertices are the truth.
     #[arg(long, value_name = "FILE", num_args = 1..)]

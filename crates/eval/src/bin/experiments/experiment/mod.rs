@@ -84,8 +84,7 @@ impl Experiment {
         text: &mut String,
     ) -> Result<(), Box<dyn Error>> {
         if self == Self::Sync {
-            synchronization::report(store, text);
-            return Ok(());
+            return synchronization::report(store, folder, text);
         }
         for descriptors in store.descriptors(self.name()) {
             let records = store.select(self.name(), descriptors);

@@ -15,6 +15,7 @@ use nalgebra::{Isometry3, Matrix6, Vector6};
 use rayon::prelude::*;
 
 use crate::arguments::Arguments;
+use crate::figures::{Panel, Series, write_figure};
 use crate::records::{Record, Selection, Store, Unit};
 use crate::reference;
 use crate::table::{Table, number};
@@ -307,12 +308,17 @@ fn median(values: &mut [f64]) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-pub fn report(store: &Store, text: &mut String) {
+pub fn report(store: &Store, folder: &Path, text: &mut String) -> Result<(), Box<dyn Error>> {
+    let mut panels = Vec::new();
     for family in families() {
         let records = store.select(EXPERIMENT, family.name);
         if !records.scenes.is_empty() {
             report_family(&family, &records, text);
+            panels.push(panel(&family, &records));
         }
+    }
+    if !panels.is_empty() {
+        write_figure(&folder.join("sync.svg"), &panels)?;
     }
     let records = store.select(EXPERIMENT, FILES);
     for (scene, _) in &records.scenes {
@@ -325,6 +331,21 @@ pub fn report(store: &Store, text: &mut String) {
         }
         table.append_to(text);
     }
+    Ok(())
+}
+
+/// Mean rotation error of each method over the share of wrong edges.
+fn panel(family: &Family, records: &Selection) -> Panel {
+    let line = |method: String| {
+        let points = family.outliers.iter().filter_map(|&percent| {
+            let scene = format!("{percent:02}");
+            let error = records.scene_spread(&scene, &method, "rotation mean")?;
+            Some((f64::from(percent), error.mean))
+        });
+        Series::new(method.clone(), points.collect())
+    };
+    let lines: Vec<_> = records.configurations().into_iter().map(line).collect();
+    Panel::new(family.name, "wrong edges (%)", "mean rotation error (°)").lines(&lines)
 }
 
 fn report_family(family: &Family, records: &Selection, text: &mut String) {
@@ -375,4 +396,53 @@ fn report_family(family: &Family, records: &Selection, text: &mut String) {
         table.row(row.chain([(*time).to_owned()]));
     }
     table.append_to(text);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_written_graph_is_read_as_the_same_problem() {
+        let params = PoseGraphSimParams {
+            num_scans: 12,
+            ..PoseGraphSimParams::default()
+        };
+        let problem = simulated_problem(&params).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("graph.g2o");
+        write_problem(&file, &problem, &params).unwrap();
+        let read = read_problem(&file).unwrap();
+        assert_eq!(read.graph.edges().len(), problem.graph.edges().len());
+        let [ours, theirs] = [&problem, &read].map(|p| run_methods(p, 0).unwrap());
+        for (a, b) in ours
+            .iter()
+            .zip(&theirs)
+            .filter(|(a, _)| a.metric != "seconds")
+        {
+            assert!((a.value - b.value).abs() < 1e-6, "{a:?}, {b:?}");
+        }
+        let of_method = |method: Method| {
+            ours.iter()
+                .filter(move |r| r.configuration == method.name())
+        };
+        for method in Method::ALL {
+            let error = of_method(method)
+                .find(|r| r.metric == "rotation mean")
+                .unwrap();
+            assert!(error.value < 4.0, "{error:?}");
+        }
+    }
+
+    #[test]
+    fn every_family_names_its_own_shares_and_parameters_that_simulate() {
+        for family in families() {
+            assert!(family.outliers.is_sorted());
+            let params = PoseGraphSimParams {
+                num_scans: 20,
+                ..family.params
+            };
+            assert!(simulated_problem(&params).is_ok(), "{}", family.name);
+        }
+    }
 }
