@@ -64,6 +64,11 @@ impl SparseCholesky {
             .map_err(|_| NotPositiveDefinite)
     }
 
+    /// Numbers stored in the factor, zeros of the fill among them.
+    pub fn factor_len(&self) -> usize {
+        self.factor.len()
+    }
+
     /// Replaces each column of `right` by the solution of the system last factored.
     pub fn solve_in_place(&mut self, right: &mut DMatrix<f64>) {
         let (rows, columns) = right.shape();

@@ -104,13 +104,28 @@ pub enum Method {
     /// 1. Edges that close triangles in rotation *and* translation are right: random edges do not.
     ///    The median gap of the triangles whose rotations close is the translation noise.
     /// 2. The parts that such edges hold together are solved by least squares, then joined one by
-    ///    one, each time the two parts that most of the edges between them agree on.
-    /// 3. All edges: reweighted least squares with the Geman–McClure loss of both residuals,
-    ///    `w = w⁰ (1 + (r_R/σ_R)² + (r_t/σ_t)²)⁻²`, its scale falling from four times the noise to the
-    ///    noise. `σ_R` is [`SyncParams::residual_scale`].
+    ///    one, each time the two parts that most of the edges between them agree on. Then each scan moves
+    ///    to where more of its edges want it, until none does.
+    /// 3. All edges: reweighted least squares, first of rotations, then of translations, with the
+    ///    Geman–McClure loss of both residuals, `w = w⁰ (1 + (r_R/σ_R)² + (r_t/σ_t)²)⁻²`, its scale
+    ///    falling from four times the noise to the noise. `σ_R` is [`SyncParams::residual_scale`].
+    /// 4. Rotations and translations at once, by reweighted Gauss–Newton steps down the loss
     ///
-    /// Where no triangle closes, step 2 grows a tree and rotations alone are judged. `O(Σ deg²)` over
-    /// the nodes for the triangles, and one sparse factorisation per reweighting.
+    ///    ```text
+    ///    Σ w⁰_ij ρ(‖log(R̂_ijᵀ R_iᵀ R_j)‖² / s_R² + ‖R_iᵀ (t_j − t_i) − t̂_ij‖² / s_t²),   ρ(x) = x / (1 + x)
+    ///    ```
+    ///
+    ///    since long edges tell rotations better by where they lead than by how they turn. `s` is four
+    ///    times the noise that the residuals of agreeing edges show, each step anew.
+    ///
+    /// Steps 3 and 4 take at most [`SyncParams::iterations`] reweightings each. Where no triangle closes,
+    /// step 2 grows a tree and rotations alone are judged, until step 4 finds the noise of the
+    /// translations. Without the redundancy to tell the noise, step 4 keeps the scales of step 3. It is
+    /// left out where its factor would have more than four million numbers, as that of 2000 scans
+    /// joined with their ten neighbours in space, or of 600 joined at random.
+    ///
+    /// `O(Σ deg²)` over the nodes for the triangles, and one sparse factorisation per reweighting, in step
+    /// 4 of a `6N × 6N` matrix.
     Consensus,
 }
 

@@ -1,17 +1,23 @@
 //! Wrong edges found by what they contradict: see [`Method::Consensus`](crate::Method::Consensus).
 
 mod assembly;
+mod joint;
 mod loops;
+mod normal_equations;
 mod poses;
 mod refinement;
+mod scales;
+mod votes;
 
 use crate::SyncParams;
 use crate::method::Solution;
 use crate::subgraph::{Subgraph, relative};
 use assembly::assemble;
+use joint::refine_jointly;
 use loops::LoopSupport;
 use poses::Noise;
 use refinement::refine;
+use votes::vote;
 
 pub(crate) fn synchronize(
     graph: &Subgraph,
@@ -25,7 +31,15 @@ pub(crate) fn synchronize(
         translation: loops.translation_noise,
     };
     let mut poses = assemble(graph, &weights, &loops, &noise);
-    let iterations = refine(graph, &initial_weights, params, &noise, &mut poses);
+    vote(graph, &weights, &noise, &mut poses);
+    let mut iterations = refine(graph, &initial_weights, params, &noise, &mut poses);
+    iterations.extend(refine_jointly(
+        graph,
+        &initial_weights,
+        params,
+        &noise,
+        &mut poses,
+    ));
     let final_weights = match iterations.last() {
         Some(last) => last.update.weights.clone(),
         None => noise.weights(graph, &initial_weights, &poses),

@@ -87,6 +87,12 @@ pub(super) struct Noise {
 }
 
 impl Noise {
+    /// One radian and one unit of the translations.
+    pub const UNIT: Self = Self {
+        rotation: 1.0,
+        translation: 1.0,
+    };
+
     pub fn times(&self, factor: f64) -> Self {
         Self {
             rotation: self.rotation * factor,
@@ -94,12 +100,23 @@ impl Noise {
         }
     }
 
+    /// Angle and offset between a measurement and what two poses say, in units of the noise.
+    pub fn residuals(
+        &self,
+        world_from_i: &Motion,
+        m: &Measurement,
+        world_from_j: &Motion,
+    ) -> [f64; 2] {
+        let predicted = world_from_i.then(&Motion::measured(m));
+        let angle = angular_distance(&predicted.rotation, &world_from_j.rotation);
+        let offset = (predicted.position - world_from_j.position).norm();
+        [angle / self.rotation, offset / self.translation]
+    }
+
     /// How well a measurement agrees with two poses, in [0, 1]: the weight `(1 + r²)⁻²` of the
     /// Geman–McClure loss, with `r² = (angle / σ_R)² + (offset / σ_t)²`.
     pub fn agreement(&self, world_from_i: &Motion, m: &Measurement, world_from_j: &Motion) -> f64 {
-        let predicted = world_from_i.then(&Motion::measured(m));
-        let angle = angular_distance(&predicted.rotation, &world_from_j.rotation) / self.rotation;
-        let offset = (predicted.position - world_from_j.position).norm() / self.translation;
+        let [angle, offset] = self.residuals(world_from_i, m, world_from_j);
         (1.0 + angle * angle + offset * offset).powi(-2)
     }
 

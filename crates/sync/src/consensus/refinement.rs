@@ -31,7 +31,13 @@ pub(super) fn refine(
     iterations
 }
 
-fn record(graph: &Subgraph, weights: Vec<f64>, residual_scale: f64, poses: &Poses) -> Iteration {
+/// What a reweighting and the poses under it have come to.
+pub(super) fn record(
+    graph: &Subgraph,
+    weights: Vec<f64>,
+    residual_scale: f64,
+    poses: &Poses,
+) -> Iteration {
     let residuals = graph.rotation_residuals(&poses.rotations);
     let residuals: Vec<f64> = residuals
         .iter()
