@@ -27,7 +27,7 @@ struct Arguments {
     /// Where to write the graph with the resulting poses.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// adaptive (the paper), no-recovery, sghr, memoryless, eigse3, l1-irls, rotavg-lhalf, rotavg-gm,
+    /// adaptive (the paper), no-recovery, sghr, memoryless, eigse3, l1, l1-irls, rotavg-lhalf,
     /// hara or consensus.
     #[arg(long, default_value = "adaptive")]
     method: Method,

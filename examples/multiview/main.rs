@@ -53,7 +53,7 @@ struct Arguments {
     #[arg(long)]
     neighbors: Option<usize>,
     /// How edges are synchronised, instead of the preset's adaptive history: no-recovery, sghr,
-    /// memoryless, eigse3, l1-irls, rotavg-lhalf, rotavg-gm, hara or consensus.
+    /// memoryless, eigse3, l1, l1-irls, rotavg-lhalf, hara or consensus.
     #[arg(long)]
     method: Option<Method>,
     /// Where to write merged.ply, poses.txt, poses.tum, edges.csv and posegraph.g2o.

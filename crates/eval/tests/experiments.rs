@@ -9,25 +9,21 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use gmpcr_eval::information_matrix;
-use gmpcr_io::{LogEntry, write_gt_log};
-use gmpcr_sim::{SimParams, SimulatedScans, overlap_matrix, overlapping_points, simulate, thin};
-use nalgebra::Point3;
+use gmpcr_io::{LogEntry, write_gt_log, write_poses_3x4};
+use gmpcr_sim::{SimParams, SimulatedScans, overlap_matrix, overlapping_points, simulate};
+use nalgebra::{Isometry3, Point3};
 
 const NUM_SCANS: usize = 6;
-const OVERLAP_RADIUS: f64 = 0.075;
+const OVERLAP_RADIUS: f64 = 0.045;
 
 /// Writes scans, pairs with information matrices, and overlaps of a small scene.
-fn write_scene(folder: &Path) {
+fn write_scene(folder: &Path) -> Vec<Isometry3<f64>> {
     fs::create_dir_all(folder).unwrap();
-    let mut scans = simulate(&SimParams {
+    let scans = simulate(&SimParams {
         num_scans: NUM_SCANS,
         ..SimParams::default()
     })
     .unwrap();
-    scans
-        .clouds
-        .iter_mut()
-        .for_each(|cloud| *cloud = thin(cloud, 0.05));
     let overlap = overlap_matrix(&scans, OVERLAP_RADIUS);
     let SimulatedScans {
         clouds,
@@ -60,6 +56,7 @@ fn write_scene(folder: &Path) {
     write_gt_log(folder.join("gt.log"), &log).unwrap();
     fs::write(folder.join("gt.info"), info).unwrap();
     fs::write(folder.join("overlap.csv"), csv).unwrap();
+    world_from_scan
 }
 
 fn write_ply(file: &Path, cloud: &[Point3<f64>]) {
@@ -102,9 +99,10 @@ fn a_broken_scene_is_named_the_others_go_on_and_a_second_run_resumes() {
     let tables = fs::read_to_string(root.join("out/tables.md")).unwrap();
     for title in [
         "### Registration recall (%), list gt, fpfh descriptors",
-        "### Ablation, registration recall (%)",
+        "### In the paper: registration recall (%)",
+        "### Ablation, recall (%), list gt, fpfh descriptors",
         "### Synchronisation methods on the same pose graphs",
-        "### Registration recall (%) over the number of views",
+        "### Recall (%) over the number of views",
         "### Retrieval of overlapping pairs",
         "### Connectivity over K",
         "### Time per stage",
@@ -130,16 +128,67 @@ fn a_broken_scene_is_named_the_others_go_on_and_a_second_run_resumes() {
     let recall: f64 = recall.rsplit(',').next().unwrap().parse().unwrap();
     assert!(recall > 0.5, "{recall}");
 
+    for row in tables
+        .lines()
+        .filter(|line| line.starts_with("| baseline") || line.starts_with("| consensus"))
+    {
+        assert!(!row.contains("|  "), "{row}");
+        assert_eq!(
+            row.matches('(').count(),
+            if row.contains("91.6") { 0 } else { 3 },
+            "{row}"
+        );
+    }
+
     // A second run reads what the first left, a later one with other settings does not.
     let marked = records.replace("3DMatch preset,0,gt,", "kept from before,0,gt,");
     fs::write(root.join("out/records/recall/fpfh/room.csv"), marked).unwrap();
     experiments(root, &arguments);
     let tables = fs::read_to_string(root.join("out/tables.md")).unwrap();
     assert!(tables.contains("kept from before"));
-    let other = ["scenes", "--out", "out", "--runs", "1", "--only", "recall"];
+    fs::write(root.join("scenes/room/gt.txt"), "another file").unwrap();
+    let other = ["scenes", "--out", "out", "--runs", "2", "--only", "recall"];
     experiments(root, &other);
     let tables = fs::read_to_string(root.join("out/tables.md")).unwrap();
     assert!(!tables.contains("kept from before"));
+    assert!(!tables.contains("### Time"));
+}
+
+#[test]
+fn poses_or_pairs_without_matrices_are_judged_by_angle_and_distance() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let [eth, scannet] = ["eth", "scannet"].map(|name| root.join("scenes").join(name));
+    let world_from_scan = write_scene(&eth);
+    fs::remove_file(eth.join("gt.info")).unwrap();
+    write_scene(&scannet);
+    for file in ["gt.log", "gt.info", "overlap.csv"] {
+        fs::remove_file(scannet.join(file)).unwrap();
+    }
+    let poses: Vec<_> = world_from_scan.iter().copied().enumerate().collect();
+    write_poses_3x4(scannet.join("poses.txt"), &poses).unwrap();
+
+    let arguments = [
+        "scenes",
+        "--out",
+        "out",
+        "--runs",
+        "1",
+        "--only",
+        "recall,views",
+    ];
+    let output = experiments(root, &arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    for (scene, list) in [("eth", "gt"), ("scannet", "poses")] {
+        let file = format!("out/records/recall/fpfh/{scene}.csv");
+        let records = fs::read_to_string(root.join(file)).unwrap();
+        let wanted = format!("preset,0,{list},");
+        let recall = records.lines().find(|line| line.contains(&wanted)).unwrap();
+        let recall: f64 = recall.rsplit(',').next().unwrap().parse().unwrap();
+        assert!(recall > 0.5, "{scene}: {recall}");
+        assert!(!records.contains("conjugate"));
+    }
 }
 
 #[test]
@@ -155,6 +204,11 @@ fn what_cannot_be_done_is_said_and_fails() {
         (&["empty", "--voxel", "-1"], "positive"),
         (&["empty", "--runs", "0"], "1..=1000"),
         (&["empty", "--only", "everything"], "everything"),
+        (&["empty", "--descriptors", "nowhere"], "nowhere"),
+        (
+            &["empty", "--only", "recall", "--graphs", "a.g2o"],
+            "--graphs",
+        ),
     ] {
         let output = experiments(root, arguments);
         let errors = String::from_utf8(output.stderr).unwrap();

@@ -17,41 +17,30 @@ const MIN_L1_ITERATIONS: usize = 20;
 /// Residual, in units of `σ`, below which `r` and `√r` are replaced by parabolas.
 const KNEE: f64 = 0.1;
 
-/// `argmin Σ w_ij r_ij`.
-pub(crate) fn l1_irls(
-    graph: &Subgraph,
-    initial_weights: Vec<f64>,
-    params: &SyncParams,
-) -> Solution {
-    l1_average(graph, initial_weights, params).finish()
-}
-
-/// `argmin Σ w_ij ρ(r_ij)` near the ℓ₁ average.
+/// `argmin Σ w_ij ρ(r_ij)`, near the ℓ₁ average where the loss is not ℓ₁ itself.
 pub(crate) fn rot_avg(
     graph: &Subgraph,
     initial_weights: Vec<f64>,
     loss: RobustLoss,
     params: &SyncParams,
 ) -> Solution {
-    let mut irls = l1_average(graph, initial_weights, params);
-    irls.reweight(params.iterations, loss_factor(loss));
-    irls.finish()
-}
-
-fn l1_average<'a>(graph: &'a Subgraph, initial_weights: Vec<f64>, params: &SyncParams) -> Irls<'a> {
     let start = graph.rotations_along(&graph.spanning_tree(&initial_weights));
     let mut irls = Irls::new(graph, start, initial_weights, params);
     irls.solve();
     if params.iterations > 0 {
         let iterations = params.iterations.max(MIN_L1_ITERATIONS);
-        irls.reweight(iterations, |residual| power_factor(residual, 1.0));
+        irls.reweight(iterations, loss_factor(RobustLoss::L1));
     }
-    irls
+    if loss != RobustLoss::L1 {
+        irls.reweight(params.iterations, loss_factor(loss));
+    }
+    irls.finish()
 }
 
 /// The factor of the weight, in [0, 1], for a residual in units of `σ`: `ρ'(r) / r` up to scale.
 pub(crate) fn loss_factor(loss: RobustLoss) -> fn(f64) -> f64 {
     match loss {
+        RobustLoss::L1 => |residual| power_factor(residual, 1.0),
         RobustLoss::LHalf => |residual| power_factor(residual, 1.5),
         RobustLoss::GemanMcClure => |residual| (1.0 + residual * residual).powi(-2),
     }
@@ -232,8 +221,8 @@ mod tests {
     fn one_axis_has_the_averages_of_numbers() {
         let graph = parallel(&[0.0, 0.1, 1.0]);
         let robust = Method::RotAvg(RobustLoss::GemanMcClure);
-        let mean = angle_found(&graph, Method::L1Irls, 0);
-        let median = angle_found(&graph, Method::L1Irls, 100);
+        let mean = angle_found(&graph, Method::RotAvg(RobustLoss::L1), 0);
+        let median = angle_found(&graph, Method::RotAvg(RobustLoss::L1), 100);
         let mode = angle_found(&graph, robust, 100);
         assert!((mean - 1.1 / 3.0).abs() < 1e-9, "{mean}");
         assert!((median - 0.1).abs() < 1e-2, "{median}");

@@ -23,9 +23,9 @@ use crate::{consensus, eigse3, hara, history_aware, lie_averaging};
 /// | `sghr` | the same with SGHR's history | reweighted | no |
 /// | `memoryless` | the same without history | reweighted | no |
 /// | `eigse3` | [`EigSe3`](Self::EigSe3) | trusted | yes |
-/// | `l1-irls` | [`L1Irls`](Self::L1Irls) | ℓ₁ | no |
+/// | `l1` | [`RotAvg`](Self::RotAvg) | ℓ₁ | no |
+/// | `l1-irls` | [`RotAvg`](Self::RotAvg), L1-IRLS | Geman–McClure | no |
 /// | `rotavg-lhalf` | [`RotAvg`](Self::RotAvg) | ℓ½ | no |
-/// | `rotavg-gm` | [`RotAvg`](Self::RotAvg) | Geman–McClure | no |
 /// | `hara` | [`Hara`](Self::Hara) | found by triplets | no |
 /// | `consensus` | [`Consensus`](Self::Consensus) | found by triangles and votes | yes |
 ///
@@ -62,26 +62,21 @@ pub enum Method {
     /// and its gaps are the squares of small numbers in graphs of large diameter: there noise tells
     /// more than in the other methods.
     EigSe3,
-    /// ℓ₁ rotation averaging, `argmin Σ w⁰_ij r_ij`, the robust start of Chatterjee and Govindu
-    /// ("Efficient and robust large-scale rotation averaging", ICCV 2013, L1RA).
+    /// Rotation averaging with a robust loss, `argmin Σ w⁰_ij ρ(r_ij)` (Chatterjee and Govindu,
+    /// "Efficient and robust large-scale rotation averaging", ICCV 2013, and "Robust relative
+    /// rotation averaging", TPAMI 2018).
     ///
     /// From the rotations along a spanning tree of maximal weight, steps in the tangent space lead to
     /// the weighted least squares over SO(3), each by one solve with the graph Laplacian. Reweighting
     /// by `w = w⁰ min(1, σ / 10 r)`, with `σ` the [`SyncParams::residual_scale`], leads on to the ℓ₁
-    /// average; below `σ / 10` the loss is a parabola. The paper solves each linearised problem by
-    /// linear programming; here the norm is that of the rotation vector, so that the result does not
-    /// depend on the axes.
+    /// average; below `σ / 10` the loss is a parabola. From there the weights of the [`RobustLoss`] go
+    /// on alike. L1-IRLS of 2013 is this with [`RobustLoss::GemanMcClure`]; the authors prefer
+    /// [`RobustLoss::LHalf`] in 2018. They solve each linearised ℓ₁ problem by linear programming;
+    /// here the norm is that of the rotation vector, so that the result does not depend on the axes.
     ///
-    /// At most [`SyncParams::iterations`] reweightings but no fewer than 20, as the start is far; none
-    /// (plain least squares) if that is 0. Each costs one sparse factorisation of an `N × N` matrix
-    /// and a few solves. A minimum found need not be the lowest.
-    L1Irls,
-    /// Rotation averaging with a loss that hardly grows with the residuals of wrong edges (Chatterjee
-    /// and Govindu, ICCV 2013, and "Robust relative rotation averaging", TPAMI 2018).
-    ///
-    /// Starts from the ℓ₁ average of [`L1Irls`](Self::L1Irls), whose reweightings come first in the
-    /// report, and goes on alike with the weights of the [`RobustLoss`], at most
-    /// [`SyncParams::iterations`] times. With Geman–McClure this is the paper's L1-IRLS.
+    /// At most [`SyncParams::iterations`] reweightings with either loss, but no fewer than 20 of ℓ₁, as
+    /// the start is far; none (plain least squares) if that is 0. Each costs one sparse factorisation
+    /// of an `N × N` matrix and a few solves. A minimum found need not be the lowest.
     RotAvg(RobustLoss),
     /// HARA: rotation averaging that begins with the edges that most triangles confirm (Lee and
     /// Civera, "HARA: A hierarchical approach for robust rotation averaging", CVPR 2022).
@@ -132,9 +127,11 @@ pub enum Method {
 /// Loss of iteratively reweighted rotation averaging, [`Method::RotAvg`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RobustLoss {
-    /// `ρ(r) = √r`: weights `w⁰ min(1, (σ / 10 r)^{3/2})` with `σ` the [`SyncParams::residual_scale`].
+    /// `ρ(r) = r`: weights `w⁰ min(1, σ / 10 r)` with `σ` the [`SyncParams::residual_scale`].
+    L1,
+    /// `ρ(r) = √r`: weights `w⁰ min(1, (σ / 10 r)^{3/2})`.
     LHalf,
-    /// `ρ(r) = r² / (r² + σ²)`: weights `w⁰ / (1 + r²/σ²)²` with the same `σ`.
+    /// `ρ(r) = r² / (r² + σ²)`: weights `w⁰ / (1 + r²/σ²)²`.
     GemanMcClure,
 }
 
@@ -160,9 +157,9 @@ impl Method {
         Self::HistoryAware(History::Sghr),
         Self::HistoryAware(History::Memoryless),
         Self::EigSe3,
-        Self::L1Irls,
-        Self::RotAvg(RobustLoss::LHalf),
+        Self::RotAvg(RobustLoss::L1),
         Self::RotAvg(RobustLoss::GemanMcClure),
+        Self::RotAvg(RobustLoss::LHalf),
         Self::Hara,
         Self::Consensus,
     ];
@@ -177,9 +174,9 @@ impl Method {
             Self::HistoryAware(History::Sghr) => "sghr",
             Self::HistoryAware(History::Memoryless) => "memoryless",
             Self::EigSe3 => "eigse3",
-            Self::L1Irls => "l1-irls",
+            Self::RotAvg(RobustLoss::L1) => "l1",
+            Self::RotAvg(RobustLoss::GemanMcClure) => "l1-irls",
             Self::RotAvg(RobustLoss::LHalf) => "rotavg-lhalf",
-            Self::RotAvg(RobustLoss::GemanMcClure) => "rotavg-gm",
             Self::Hara => "hara",
             Self::Consensus => "consensus",
         }
@@ -234,7 +231,6 @@ impl Solution {
                 history_aware::synchronize(graph, initial_weights, history, params)
             }
             Method::EigSe3 => eigse3::synchronize(graph, initial_weights),
-            Method::L1Irls => lie_averaging::l1_irls(graph, initial_weights, params),
             Method::RotAvg(loss) => lie_averaging::rot_avg(graph, initial_weights, loss, params),
             Method::Hara => hara::synchronize(graph, initial_weights, params),
             Method::Consensus => consensus::synchronize(graph, initial_weights, params),

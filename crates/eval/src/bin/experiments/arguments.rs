@@ -54,6 +54,17 @@ impl Arguments {
         Experiment::ALL.into_iter().filter(is_wanted).collect()
     }
 
+    /// Checks what the parser cannot.
+    pub fn check(&self) -> Result<(), String> {
+        if !self.graphs.is_empty() && !self.experiments().contains(&Experiment::Sync) {
+            return Err("--graphs needs the experiment sync".to_owned());
+        }
+        match self.descriptors.as_ref().filter(|folder| !folder.is_dir()) {
+            Some(folder) => Err(format!("{} is no folder", folder.display())),
+            None => Ok(()),
+        }
+    }
+
     /// What the records depend on, in words: records of other settings are not reused.
     pub fn settings(&self) -> String {
         format!(

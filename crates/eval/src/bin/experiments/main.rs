@@ -13,6 +13,7 @@
 mod arguments;
 mod experiment;
 mod figures;
+mod progress;
 mod records;
 mod reference;
 mod registering;
@@ -24,12 +25,12 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use arguments::Arguments;
-use experiment::Experiment;
-use records::{Store, Unit};
-use scene::{SceneSource, scene_sources};
+use experiment::{Experiment, synchronization};
+use progress::Progress;
+use records::{Store, Unit, write_text};
+use scene::{SceneSource, Sources};
 
 /// Some scene or experiment failed; the results of the others are there.
 const PARTIAL: u8 = 2;
@@ -52,35 +53,47 @@ fn main() -> ExitCode {
 /// Runs what is not in the store yet, then reports. Returns what failed.
 fn run(arguments: &Arguments) -> Result<Vec<String>, Box<dyn Error>> {
     let start = Instant::now();
+    arguments.check()?;
     let mut store = Store::open(&arguments.out, &arguments.settings(), arguments.fresh)?;
-    let mut failures = Vec::new();
-    let sources = match &arguments.folder {
-        Some(folder) => scene_sources(folder, arguments, &mut failures)?,
-        None => Vec::new(),
-    };
+    let Sources {
+        scenes,
+        mut failures,
+        notes,
+    } = Sources::find(arguments)?;
     let experiments = arguments.experiments();
-    let (on_scenes, on_graphs): (Vec<_>, Vec<_>) = experiments
-        .iter()
-        .copied()
-        .partition(|experiment| experiment.needs_scenes());
+    let of_scenes: Vec<_> = experiments.iter().filter(|e| e.needs_scenes()).collect();
 
-    let progress = progress_bar(sources.len() * on_scenes.len() + on_graphs.len());
-    for source in &sources {
-        let outcome = run_scene(source, &on_scenes, arguments, &mut store, &progress);
-        failures.extend(outcome.err().unwrap_or_default());
+    let mut num_units = scenes.len() * of_scenes.len();
+    if experiments.contains(&Experiment::Sync) {
+        num_units += synchronization::num_units(arguments);
     }
-    if !on_graphs.is_empty() {
-        let outcome = experiment::synchronization::run_all(arguments, &mut store, &progress);
-        failures.extend(outcome.err().unwrap_or_default());
+    let progress = Progress::new(num_units);
+    for scene in &scenes {
+        run_scene(
+            scene,
+            &of_scenes,
+            arguments,
+            &mut store,
+            &progress,
+            &mut failures,
+        );
     }
-    progress.finish_and_clear();
+    if experiments.contains(&Experiment::Sync) {
+        synchronization::run_all(arguments, &mut store, &progress, &mut failures);
+    }
+    progress.finish();
 
     let mut text = String::new();
     for experiment in experiments {
-        experiment.report(&store, &arguments.out, &mut text)?;
+        let outcome = experiment.report(&store, &arguments.out, &mut text);
+        failures.extend(outcome.err().map(|error| error.to_string()));
+    }
+    for note in &notes {
+        text.push_str(&format!("\n{note}\n"));
     }
     println!("{text}");
-    records::write_text(&arguments.out.join("tables.md"), &text)?;
+    let outcome = write_text(&arguments.out.join("tables.md"), &text);
+    failures.extend(outcome.err().map(|error| error.to_string()));
     println!(
         "{:.1} s; tables, records and figures are in {}",
         start.elapsed().as_secs_f64(),
@@ -92,52 +105,42 @@ fn run(arguments: &Arguments) -> Result<Vec<String>, Box<dyn Error>> {
 /// Runs the experiments on one scene that are not in the store yet.
 fn run_scene(
     source: &SceneSource,
-    experiments: &[Experiment],
+    experiments: &[&Experiment],
     arguments: &Arguments,
     store: &mut Store,
-    progress: &ProgressBar,
-) -> Result<(), Vec<String>> {
+    progress: &Progress,
+    failures: &mut Vec<String>,
+) {
     let unit = |experiment: Experiment| Unit {
         experiment: experiment.name(),
         descriptors: source.descriptors.name(),
         scene: source.name(),
+        input: source.input(),
     };
-    let pending = experiments.iter().filter(|e| !store.holds(&unit(**e)));
-    let pending: Vec<Experiment> = pending.copied().collect();
-    progress.inc((experiments.len() - pending.len()) as u64);
+    let is_pending = |experiment: &Experiment| !store.holds(&unit(*experiment));
+    let mut pending: Vec<Experiment> = experiments.iter().map(|e| **e).collect();
+    pending.retain(is_pending);
+    progress.advance(experiments.len() - pending.len());
     if pending.is_empty() {
-        return Ok(());
+        return;
     }
     let label = format!("{}, {}", source.name(), source.descriptors.name());
-    progress.set_message(label.clone());
-    let scene = source.load(arguments).map_err(|error| {
-        progress.inc(pending.len() as u64);
-        vec![format!("{label}: {error}")]
-    })?;
-    let mut failures = Vec::new();
+    progress.begin(format!("{label}: reading"));
+    let scene = match source.load(arguments) {
+        Ok(scene) => scene,
+        Err(error) => {
+            failures.push(format!("{label}: {error}"));
+            return progress.advance(pending.len());
+        }
+    };
     for experiment in pending {
-        progress.set_message(format!("{label}: {}", experiment.name()));
+        progress.begin(format!("{label}: {}", experiment.name()));
         let outcome = experiment
             .run(&scene, arguments)
-            .and_then(|records| Ok(store.add(unit(experiment), records)?));
+            .and_then(|records| store.add(&unit(experiment), records));
         if let Err(error) = outcome {
             failures.push(format!("{label}, {}: {error}", experiment.name()));
         }
-        progress.inc(1);
-    }
-    if failures.is_empty() {
-        Ok(())
-    } else {
-        Err(failures)
-    }
-}
-
-/// A bar on standard error; none where that is not a terminal.
-fn progress_bar(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} (eta {eta}) {msg}");
-    let bar = ProgressBar::new(length as u64);
-    match style {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
+        progress.advance(1);
     }
 }

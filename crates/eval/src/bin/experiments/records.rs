@@ -42,6 +42,8 @@ pub struct Unit<'a> {
     pub experiment: &'a str,
     pub descriptors: &'a str,
     pub scene: &'a str,
+    /// What the files of the scene are recognised by.
+    pub input: &'a str,
 }
 
 /// (experiment, descriptors, scene)
@@ -53,16 +55,22 @@ impl Unit<'_> {
             experiment,
             descriptors,
             scene,
+            ..
         } = *self;
         (experiment.into(), descriptors.into(), scene.into())
     }
 }
 
 /// The records of all units, in memory and as `records/<experiment>/<descriptors>/<scene>.csv`.
+///
+/// The first line of a file tells the settings and the input. Tables are made of the units that were
+/// asked for or added since the store was opened.
 pub struct Store {
     folder: PathBuf,
     settings: String,
-    units: BTreeMap<Key, Vec<Record>>,
+    /// What files hold, with their first lines.
+    kept: BTreeMap<Key, (String, Vec<Record>)>,
+    current: BTreeMap<Key, Vec<Record>>,
 }
 
 impl Store {
@@ -70,8 +78,9 @@ impl Store {
     pub fn open(out: &Path, settings: &str, fresh: bool) -> Result<Self, Box<dyn error::Error>> {
         let mut store = Self {
             folder: out.join("records"),
-            settings: format!("# {settings}"),
-            units: BTreeMap::new(),
+            settings: settings.to_owned(),
+            kept: BTreeMap::new(),
+            current: BTreeMap::new(),
         };
         fs::create_dir_all(&store.folder)
             .map_err(|error| format!("cannot create {}: {error}", store.folder.display()))?;
@@ -87,62 +96,69 @@ impl Store {
         Ok(store)
     }
 
+    /// Reads a file of records; one that is none will be made again.
     fn read(&mut self, file: &Path) -> Result<(), Box<dyn error::Error>> {
         if file.extension().is_none_or(|extension| extension != "csv") {
             return Ok(());
         }
         let text = fs::read_to_string(file)
             .map_err(|error| format!("cannot read {}: {error}", file.display()))?;
-        if text.lines().next() != Some(&self.settings) {
-            return Ok(());
-        }
-        let malformed = || format!("{} is not a file of records: delete it", file.display());
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .from_reader(text.as_bytes());
-        let mut records = Vec::new();
-        for row in reader.records() {
-            let row = row.map_err(|_| malformed())?;
-            let record = parse(&row).ok_or_else(malformed)?;
-            records.push(record);
-        }
         let mut names = file
             .components()
             .rev()
             .filter_map(|c| c.as_os_str().to_str());
-        let mut name = || names.next().map(str::to_owned).ok_or_else(malformed);
-        let scene = name()?.trim_end_matches(".csv").to_owned();
-        let (descriptors, experiment) = (name()?, name()?);
-        self.units.insert((experiment, descriptors, scene), records);
+        if let (Some(records), Some(scene), Some(descriptors), Some(experiment)) =
+            (parse(&text), names.next(), names.next(), names.next())
+        {
+            let scene = scene.trim_end_matches(".csv").to_owned();
+            let key = (experiment.to_owned(), descriptors.to_owned(), scene);
+            let first_line = text.lines().next().unwrap_or_default().to_owned();
+            self.kept.insert(key, (first_line, records));
+        } else {
+            eprintln!(
+                "{} is not a file of records: it is made again",
+                file.display()
+            );
+        }
         Ok(())
     }
 
-    /// Whether the records of a unit are there.
-    pub fn holds(&self, unit: &Unit) -> bool {
-        self.units.contains_key(&unit.key())
+    fn first_line(&self, unit: &Unit) -> String {
+        format!("# {}; {}", self.settings, unit.input)
+    }
+
+    /// Whether the records of a unit are there, from the same settings and input.
+    pub fn holds(&mut self, unit: &Unit) -> bool {
+        let first_line = self.first_line(unit);
+        match self.kept.get(&unit.key()) {
+            Some((line, records)) if *line == first_line => {
+                self.current.insert(unit.key(), records.clone());
+                true
+            }
+            _ => false,
+        }
     }
 
     /// Takes the records of a unit and writes them to its file.
-    pub fn add(&mut self, unit: Unit, records: Vec<Record>) -> Result<(), Box<dyn error::Error>> {
+    pub fn add(&mut self, unit: &Unit, records: Vec<Record>) -> Result<(), Box<dyn error::Error>> {
         let folder = self.folder.join(unit.experiment).join(unit.descriptors);
         fs::create_dir_all(&folder)
             .map_err(|error| format!("cannot create {}: {error}", folder.display()))?;
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(["configuration", "run", "metric", "value"])?;
+        writer.write_record(HEADER)?;
         for record in &records {
             let (run, value) = (record.run.to_string(), record.value.to_string());
             writer.write_record([&record.configuration, &run, &record.metric, &value])?;
         }
         let rows = String::from_utf8(writer.into_inner()?)?;
-        let text = format!("{}\n{rows}", self.settings);
-        write_text(&folder.join(format!("{}.csv", unit.scene)), &text)?;
-        self.units.insert(unit.key(), records);
-        Ok(())
+        let text = format!("{}\n{rows}", self.first_line(unit));
+        self.current.insert(unit.key(), records);
+        write_text(&folder.join(format!("{}.csv", unit.scene)), &text)
     }
 
     /// Descriptors that an experiment has records for.
     pub fn descriptors(&self, experiment: &str) -> Vec<&str> {
-        let of_it = self.units.keys().filter(|key| key.0 == experiment);
+        let of_it = self.current.keys().filter(|key| key.0 == experiment);
         let mut names: Vec<&str> = of_it.map(|key| key.1.as_str()).collect();
         names.dedup();
         names
@@ -151,7 +167,7 @@ impl Store {
     /// The records of one experiment with one kind of descriptors.
     pub fn select(&self, experiment: &str, descriptors: &str) -> Selection<'_> {
         let of_it = |(key, _): &(&Key, _)| key.0 == experiment && key.1 == descriptors;
-        let scenes = self.units.iter().filter(of_it);
+        let scenes = self.current.iter().filter(of_it);
         Selection {
             scenes: scenes
                 .map(|(key, records)| (key.2.as_str(), records.as_slice()))
@@ -160,7 +176,20 @@ impl Store {
     }
 }
 
-fn parse(row: &csv::StringRecord) -> Option<Record> {
+const HEADER: [&str; 4] = ["configuration", "run", "metric", "value"];
+
+fn parse(text: &str) -> Option<Vec<Record>> {
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
+    if reader.headers().ok()? != HEADER.as_slice() {
+        return None;
+    }
+    let rows = reader.records().map(|row| parse_row(&row.ok()?));
+    rows.collect()
+}
+
+fn parse_row(row: &csv::StringRecord) -> Option<Record> {
     let (run, value) = (row.get(1)?.parse().ok()?, row.get(3)?.parse().ok()?);
     Some(Record::new(row.get(0)?, run, row.get(2)?, value))
 }
@@ -263,34 +292,47 @@ mod tests {
         experiment: "recall",
         descriptors: "fpfh",
         scene: "a",
+        input: "12 bytes",
     };
 
     #[test]
-    fn records_survive_and_those_of_other_settings_do_not_count() {
+    fn records_survive_and_those_of_other_settings_or_input_do_not_count() {
         let folder = tempfile::tempdir().unwrap();
         let records = vec![Record::new("K, \"6\"", 1, "3dmatch", 0.1 + 0.2)];
         let mut store = Store::open(folder.path(), "seed 0", false).unwrap();
-        store.add(UNIT, records.clone()).unwrap();
-        let again = Store::open(folder.path(), "seed 0", false).unwrap();
+        store.add(&UNIT, records.clone()).unwrap();
+        let mut again = Store::open(folder.path(), "seed 0", false).unwrap();
+        assert!(again.select("recall", "fpfh").scenes.is_empty());
         assert!(again.holds(&UNIT));
         assert_eq!(
             again.select("recall", "fpfh").scenes,
             [("a", records.as_slice())]
         );
+        let changed = Unit {
+            input: "13 bytes",
+            ..UNIT
+        };
+        assert!(!again.holds(&changed));
         for (settings, fresh) in [("seed 1", false), ("seed 0", true)] {
-            let other = Store::open(folder.path(), settings, fresh).unwrap();
+            let mut other = Store::open(folder.path(), settings, fresh).unwrap();
             assert!(!other.holds(&UNIT));
         }
     }
 
     #[test]
-    fn a_foreign_file_is_named() {
+    fn a_foreign_or_cut_file_does_not_count() {
         let folder = tempfile::tempdir().unwrap();
         let place = folder.path().join("records/recall/fpfh");
         fs::create_dir_all(&place).unwrap();
-        fs::write(place.join("a.csv"), "# seed 0\nconfiguration,run\nx,y\n").unwrap();
-        let error = Store::open(folder.path(), "seed 0", false).err().unwrap();
-        assert!(error.to_string().contains("a.csv"), "{error}");
+        for text in [
+            "",
+            "# s; 12 bytes\nconfi",
+            "# s; 12 bytes\nconfiguration,run,metric,value\nx,y,z,1\n",
+        ] {
+            fs::write(place.join("a.csv"), text).unwrap();
+            let mut store = Store::open(folder.path(), "s", false).unwrap();
+            assert!(!store.holds(&UNIT), "{text}");
+        }
     }
 
     #[test]
@@ -305,7 +347,7 @@ mod tests {
                 figure("registered", registered),
                 figure("pairs", pairs),
             ];
-            store.add(Unit { scene, ..UNIT }, records).unwrap();
+            store.add(&Unit { scene, ..UNIT }, records).unwrap();
         }
         let selection = store.select("recall", "fpfh");
         let mean = selection.mean_spread("c", "share").unwrap().mean;

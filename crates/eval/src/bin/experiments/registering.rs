@@ -14,37 +14,26 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::arguments::Arguments;
 use crate::records::Record;
 use crate::scene::{MatchList, Scene};
 
-/// The paper's parameters for 3DMatch at the working voxel.
-pub fn threedmatch(arguments: &Arguments) -> Params {
-    Params::threedmatch().with_tolerance(2.0 * arguments.voxel)
-}
-
-/// The paper's parameters for 3DLoMatch at the working voxel.
-pub fn threedlomatch(arguments: &Arguments) -> Params {
-    Params::threedlomatch().with_tolerance(2.0 * arguments.voxel)
-}
-
 /// Scans reduced to their samples, from which registration takes all. Run 0 starts the sampling as
 /// the method does, at the descriptor farthest from the mean; other runs start anywhere.
-pub fn sampled(scans: &[Scan], params: &Params, run: usize, arguments: &Arguments) -> Vec<Scan> {
+pub fn sampled(scene: &Scene, params: &Params, run: usize) -> Vec<Scan> {
     let num_samples = params.correspondence.num_samples;
     let sample = |(index, scan): (usize, &Scan)| {
         let descriptors = scan.descriptors();
         let rows = if run == 0 || scan.is_empty() {
             farthest_point_sampling(descriptors, num_samples)
         } else {
-            let mut rng = generator(arguments.seed, run, index);
+            let mut rng = generator(scene.seed, run, index);
             let first = rng.random_range(0..scan.len());
             farthest_point_sampling_from(descriptors, first, num_samples)
         };
         let points = rows.iter().map(|&row| scan.points()[row]).collect();
         Scan::new(points, descriptors.select(&rows)).expect("rows of a scan form a scan")
     };
-    scans.par_iter().enumerate().map(sample).collect()
+    scene.scans.par_iter().enumerate().map(sample).collect()
 }
 
 /// Registrations by parameters and run.
@@ -56,7 +45,6 @@ pub fn registered(
     scene: &Scene,
     params: &Params,
     run: usize,
-    arguments: &Arguments,
 ) -> Result<Arc<Registration>, gmpcr::Error> {
     let key = (format!("{params:?}"), run);
     let known = || {
@@ -69,7 +57,7 @@ pub fn registered(
     if let Some(found) = known().get(&key) {
         return Ok(found.clone());
     }
-    let scans = sampled(&scene.scans, params, run, arguments);
+    let scans = sampled(scene, params, run);
     let found = Arc::new(register(&scans, params)?);
     known().insert(key, found.clone());
     Ok(found)
@@ -116,16 +104,34 @@ impl Judge<'_> {
                 pairs: wanted.copied().collect(),
                 ..*list
             };
+            self.errors(&wanted, poses, &mut records)?;
             if wanted.has_information {
                 self.recalls(&wanted, poses, &mut records)?;
+            } else {
+                self.recalls_by_errors(&wanted, poses, &mut records)?;
             }
-            self.errors(&wanted, poses, &mut records)?;
         }
         Ok(records)
     }
 
     fn record(&self, metric: String, value: f64) -> Record {
         Record::new(self.configuration, self.run, metric, value)
+    }
+
+    /// Where a list has no information matrices, pairs within 15° and 0.3 m are registered.
+    fn recalls_by_errors(
+        &self,
+        list: &MatchList,
+        poses: &WorldPoses,
+        records: &mut Vec<Record>,
+    ) -> Result<(), gmpcr_eval::Error> {
+        let (name, total) = (&list.name, list.pairs.len() as f64);
+        if let Some(share) = PairErrors::of_pairs(&list.pairs, poses)?.recall() {
+            records.push(self.record(name.clone(), share));
+            records.push(self.record(format!("{name} registered"), share * total));
+            records.push(self.record(format!("{name} pairs"), total));
+        }
+        Ok(())
     }
 
     fn recalls(
@@ -168,6 +174,8 @@ impl Judge<'_> {
         let errors = PairErrors::of_pairs(&list.pairs, poses)?;
         if let Some(share) = errors.recall() {
             records.push(self.record(format!("{name} within 15° and 0.3 m"), share));
+            let missing = errors.num_missing() as f64 / errors.pairs.len() as f64;
+            records.push(self.record(format!("{name} without estimate"), missing));
         }
         for (statistic, error) in [("mean", errors.mean()), ("median", errors.median())] {
             if let Some(error) = error {

@@ -1,13 +1,15 @@
 //! Scenes of a folder: described scans and what is known of their poses.
 
 use std::error::Error;
-use std::time::{Duration, Instant};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, UNIX_EPOCH};
 
 use gmpcr::features::FeatureParams;
-use gmpcr::{Descriptors, Scan, describe_clouds};
+use gmpcr::{Descriptors, Params, Scan, describe_clouds};
 use gmpcr_eval::{GroundTruthPair, Protocol};
 use gmpcr_io::{DescriptorFiles, Layout, PairList, read_descriptors, read_keypoints, read_points};
-use nalgebra::{DMatrix, Matrix6, Point3};
+use nalgebra::{DMatrix, Isometry3, Matrix6, Point3};
 
 use crate::arguments::Arguments;
 use crate::registering::Registrations;
@@ -36,83 +38,189 @@ impl DescriptorKind {
 /// A scene with one kind of descriptors, not loaded yet.
 pub struct SceneSource {
     files: gmpcr_io::Scene,
+    layout: Option<Layout>,
     pub descriptors: DescriptorKind,
+    /// What the files are recognised by.
+    input: String,
 }
 
 /// A scene in memory.
 pub struct Scene {
     pub scans: Vec<Scan>,
+    /// The paper's parameters for data of this layout, the main ones first.
+    pub presets: Vec<(&'static str, Params)>,
     /// Pairs whose relative pose is known, list by list.
     pub lists: Vec<MatchList>,
     /// Overlap of all pairs, in [0, 1]; empty if it is not known.
     pub overlap: Option<DMatrix<f64>>,
     /// Time it took to compute the descriptors; zero where they were read.
     pub description: Duration,
+    /// Names the random numbers of this scene.
+    pub seed: u64,
     /// Registrations that several experiments share.
     pub registrations: Registrations,
 }
 
-/// One of the benchmark's lists of pairs.
+impl Scene {
+    /// The parameters of the main preset.
+    pub fn main_params(&self) -> &Params {
+        &self.presets[0].1
+    }
+}
+
+/// One list of pairs to judge.
 pub struct MatchList {
     pub name: String,
     pub protocol: Protocol,
     pub pairs: Vec<GroundTruthPair>,
-    /// Whether the list comes with information matrices, by which recall judges.
+    /// Whether the list comes with information matrices, by which recall judges; otherwise pairs
+    /// within 15° and 0.3 m count as registered.
     pub has_information: bool,
 }
 
-/// The scenes of a folder in all kinds of descriptors they have. A scene that cannot be read is
-/// named among the failures.
-pub fn scene_sources(
-    folder: &std::path::Path,
-    arguments: &Arguments,
-    failures: &mut Vec<String>,
-) -> Result<Vec<SceneSource>, Box<dyn Error>> {
-    let mut sources = Vec::new();
-    let mut missing = arguments.scenes.clone();
-    for folder in gmpcr_io::scene_folders(folder)? {
-        let name = folder.file_name().unwrap_or_default().to_string_lossy();
-        missing.retain(|wanted| *wanted != name);
-        if arguments.scenes.is_empty() || arguments.scenes.iter().any(|wanted| *wanted == name) {
-            match sources_of_scene(&folder, arguments) {
-                Ok(found) => sources.extend(found),
-                Err(error) => failures.push(format!("{name}: {error}")),
+/// What a folder offers.
+#[derive(Default)]
+pub struct Sources {
+    /// The scenes, in all kinds of descriptors they have.
+    pub scenes: Vec<SceneSource>,
+    /// Scenes that cannot be read, and why.
+    pub failures: Vec<String>,
+    /// What the reader of the tables should know of the others.
+    pub notes: Vec<String>,
+}
+
+impl Sources {
+    /// The scenes of the folder that was asked for.
+    pub fn find(arguments: &Arguments) -> Result<Self, Box<dyn Error>> {
+        let mut sources = Self::default();
+        let Some(root) = &arguments.folder else {
+            return Ok(sources);
+        };
+        let mut missing = arguments.scenes.clone();
+        for folder in gmpcr_io::scene_folders(root)? {
+            let resolved = folder.canonicalize()?;
+            let name = resolved.file_name().unwrap_or_default().to_string_lossy();
+            missing.retain(|wanted| *wanted != name);
+            if arguments.scenes.is_empty() || arguments.scenes.iter().any(|wanted| *wanted == name)
+            {
+                sources.add_scene(&resolved, &name, arguments);
             }
         }
+        match missing.first() {
+            Some(name) => Err(format!("{} holds no scene {name}", root.display()).into()),
+            None => Ok(sources),
+        }
     }
-    match missing.first() {
-        Some(name) => Err(format!("{} holds no scene {name}", folder.display()).into()),
-        None => Ok(sources),
+
+    fn add_scene(&mut self, folder: &Path, name: &str, arguments: &Arguments) {
+        let (files, layout) = match read_scene(folder) {
+            Ok(read) => read,
+            Err(error) => return self.failures.push(format!("{name}: {error}")),
+        };
+        let truth = &files.truth;
+        if truth.match_lists.is_empty() && truth.world_from_scan.is_none() {
+            self.notes.push(format!(
+                "{name}: neither pairs nor poses are known, so nothing is judged"
+            ));
+        }
+        let num_pairs = files.scans.len() * files.scans.len().saturating_sub(1) / 2;
+        if let Some(listed) = truth.overlaps.as_ref().map(Vec::len)
+            && listed < num_pairs
+        {
+            let unlisted = num_pairs - listed;
+            self.notes.push(format!(
+                "{name}: {unlisted} pairs without a listed overlap count as not overlapping"
+            ));
+        }
+        self.add_fpfh(folder, &files, layout);
+        if let Err(error) = self.add_learned(folder, files, layout, arguments) {
+            self.failures.push(format!("{name}, learned: {error}"));
+        }
+    }
+
+    fn add_fpfh(&mut self, folder: &Path, files: &gmpcr_io::Scene, layout: Option<Layout>) {
+        if files.scans.iter().all(|scan| scan.cloud.is_some()) {
+            self.scenes.push(SceneSource {
+                files: files.clone(),
+                layout,
+                descriptors: DescriptorKind::Fpfh,
+                input: fingerprint(&[folder]),
+            });
+        }
+    }
+
+    fn add_learned(
+        &mut self,
+        folder: &Path,
+        mut files: gmpcr_io::Scene,
+        layout: Option<Layout>,
+        arguments: &Arguments,
+    ) -> Result<(), Box<dyn Error>> {
+        let mut folders = vec![folder.to_owned()];
+        if let Some(root) = &arguments.descriptors {
+            let separate = root.join(&files.name);
+            if separate.is_dir() {
+                files.attach_descriptors(&separate)?;
+                folders.push(separate.canonicalize()?);
+            } else {
+                let (name, root) = (&files.name, root.display());
+                self.notes
+                    .push(format!("{name}: {root} has no descriptors for it"));
+            }
+        }
+        if files.scans.iter().all(|scan| scan.descriptors.is_some()) {
+            let folders: Vec<&Path> = folders.iter().map(PathBuf::as_path).collect();
+            self.scenes.push(SceneSource {
+                input: fingerprint(&folders),
+                files,
+                layout,
+                descriptors: DescriptorKind::Learned,
+            });
+        }
+        Ok(())
     }
 }
 
-fn sources_of_scene(
-    folder: &std::path::Path,
-    arguments: &Arguments,
-) -> Result<Vec<SceneSource>, Box<dyn Error>> {
-    let files = match Layout::of(folder)? {
+fn read_scene(folder: &Path) -> Result<(gmpcr_io::Scene, Option<Layout>), gmpcr_io::Error> {
+    let layout = Layout::of(folder)?;
+    let scene = match layout {
         Some(layout) => gmpcr_io::read_scene(folder, layout)?,
         None => gmpcr_io::Scene::of_clouds(folder)?,
     };
-    let mut learned = files.clone();
-    let separate = arguments
-        .descriptors
-        .as_ref()
-        .map(|root| root.join(&files.name));
-    if let Some(separate) = separate.filter(|separate| separate.is_dir()) {
-        learned.attach_descriptors(separate)?;
+    Ok((scene, layout))
+}
+
+/// Where the files of some folders are, how many, how large, and when the last one changed.
+pub fn fingerprint(paths: &[&Path]) -> String {
+    let (mut count, mut bytes, mut latest) = (0, 0, 0);
+    let mut open: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            let entries = fs::read_dir(&path).into_iter().flatten().flatten();
+            open.extend(entries.map(|entry| entry.path()));
+        } else if let Ok(metadata) = path.metadata() {
+            let changed = metadata.modified().ok();
+            let changed = changed.and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+            count += 1;
+            bytes += metadata.len();
+            latest = latest.max(changed.unwrap_or_default().as_secs());
+        }
     }
-    let has_clouds = files.scans.iter().all(|scan| scan.cloud.is_some());
-    let is_described = learned.scans.iter().all(|scan| scan.descriptors.is_some());
-    let source = |files: gmpcr_io::Scene, descriptors| SceneSource { files, descriptors };
-    let fpfh = has_clouds.then(|| source(files, DescriptorKind::Fpfh));
-    let learned = is_described.then(|| source(learned, DescriptorKind::Learned));
-    Ok(fpfh.into_iter().chain(learned).collect())
+    let places: Vec<String> = paths
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
+    let places = places.join(", ");
+    format!("{places}: {count} files, {bytes} bytes, changed {latest}")
 }
 
 impl SceneSource {
     pub fn name(&self) -> &str {
         &self.files.name
+    }
+
+    pub fn input(&self) -> &str {
+        &self.input
     }
 
     /// Reads, and where need be computes, points and descriptors.
@@ -130,18 +238,38 @@ impl SceneSource {
             }
         };
         Ok(Scene {
-            lists: self
-                .files
-                .truth
-                .match_lists
-                .iter()
-                .map(match_list)
-                .collect(),
+            lists: self.lists(),
+            presets: self.presets(arguments),
+            seed: hash(self.name()) ^ arguments.seed,
             overlap: self.overlap(),
             scans,
             description,
             registrations: Registrations::default(),
         })
+    }
+
+    /// The paper's parameters for data of this layout, at the working voxel.
+    fn presets(&self, arguments: &Arguments) -> Vec<(&'static str, Params)> {
+        let presets = match self.layout {
+            Some(Layout::ScanNet) => vec![("ScanNet preset", Params::scannet())],
+            Some(Layout::Eth) => vec![("ETH preset", Params::eth())],
+            _ => vec![
+                ("3DMatch preset", Params::threedmatch()),
+                ("3DLoMatch preset", Params::threedlomatch()),
+            ],
+        };
+        let at_voxel =
+            |(name, params): (_, Params)| (name, params.with_tolerance(2.0 * arguments.voxel));
+        presets.into_iter().map(at_voxel).collect()
+    }
+
+    /// The lists of pairs; where there is none, all pairs of known poses.
+    fn lists(&self) -> Vec<MatchList> {
+        let truth = &self.files.truth;
+        match &truth.world_from_scan {
+            Some(poses) if truth.match_lists.is_empty() => vec![all_pairs(poses)],
+            _ => truth.match_lists.iter().map(match_list).collect(),
+        }
     }
 
     fn clouds(&self) -> Result<Vec<Vec<Point3<f64>>>, Box<dyn Error>> {
@@ -180,31 +308,57 @@ fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Box<dyn Error>> {
     Ok(Scan::new(points, descriptors).map_err(|error| named(&error))?)
 }
 
-/// 3DMatch leaves consecutive pairs out; all other lists count every pair.
+/// The list of 3DMatch, which its own release names `gt`, leaves consecutive pairs out; others count
+/// every pair.
 fn match_list(list: &PairList) -> MatchList {
     let information = |k: usize| match &list.information {
         Some(matrices) => matrices[k],
         None => Matrix6::zeros(),
     };
-    let pairs = list
-        .pairs
-        .iter()
-        .enumerate()
-        .map(|(k, pair)| GroundTruthPair {
-            i: pair.i,
-            j: pair.j,
-            i_from_j: pair.i_from_j,
-            information: information(k),
-        });
+    let pairs = list.pairs.iter().enumerate();
+    let pairs = pairs.map(|(k, pair)| GroundTruthPair {
+        i: pair.i,
+        j: pair.j,
+        i_from_j: pair.i_from_j,
+        information: information(k),
+    });
+    let has_information = list.information.is_some();
     MatchList {
         name: list.name.clone(),
         protocol: match list.name.as_str() {
             "3dmatch" => Protocol::ThreeDMatch,
+            "gt" if has_information => Protocol::ThreeDMatch,
             _ => Protocol::ThreeDLoMatch,
         },
         pairs: pairs.collect(),
-        has_information: list.information.is_some(),
+        has_information,
     }
+}
+
+/// All pairs of scans with a known pose, as the protocol of ScanNet has it.
+fn all_pairs(world_from_scan: &[Option<Isometry3<f64>>]) -> MatchList {
+    let n = world_from_scan.len();
+    let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
+    let pairs = pairs.filter_map(|(i, j)| {
+        Some(GroundTruthPair {
+            i,
+            j,
+            i_from_j: world_from_scan[i]?.inv_mul(&world_from_scan[j]?),
+            information: Matrix6::zeros(),
+        })
+    });
+    MatchList {
+        name: "poses".to_owned(),
+        protocol: Protocol::ThreeDLoMatch,
+        pairs: pairs.collect(),
+        has_information: false,
+    }
+}
+
+/// FNV-1a.
+fn hash(text: &str) -> u64 {
+    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
 /// Refuses scans that a voxel grid of this size would reduce to a few points.
@@ -222,8 +376,8 @@ fn check_extent(clouds: &[Vec<Point3<f64>>], voxel: f64) -> Result<(), Box<dyn E
     extents.sort_by(f64::total_cmp);
     match extents.get(extents.len() / 2) {
         Some(&median) if median < MIN_VOXELS_PER_SCAN * voxel => Err(format!(
-            "its scans extend {median:.3} only, less than {MIN_VOXELS_PER_SCAN} voxels of {voxel}: \
-             a smaller --voxel is needed"
+            "its scans are {median:.3} m wide, less than {MIN_VOXELS_PER_SCAN} voxels of {voxel} m: \
+             leave it out with --scenes or run it alone with a smaller --voxel"
         )
         .into()),
         _ => Ok(()),

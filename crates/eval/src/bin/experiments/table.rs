@@ -48,3 +48,11 @@ pub fn number(value: Option<Spread>, factor: f64, digits: usize) -> String {
         format!("{:.digits$}", factor * spread.mean)
     })
 }
+
+/// Recall in percent as the benchmark computes it, and in brackets with the conjugate sign.
+pub fn both_signs(benchmark: Option<Spread>, conjugate: Option<Spread>) -> String {
+    match conjugate {
+        Some(conjugate) => format!("{} ({:.1})", percent(benchmark), 100.0 * conjugate.mean),
+        None => percent(benchmark),
+    }
+}

@@ -9,13 +9,11 @@ use gmpcr::sync::{AdaptiveHistory, History, Method, SyncParams, synchronize};
 use gmpcr::{Registration, register};
 use rayon::prelude::*;
 
-use super::recall::lists;
+use super::recall::{lists, recall_table};
 use crate::arguments::Arguments;
 use crate::records::{Record, Selection};
-use crate::reference;
-use crate::registering::{Judge, registered, sampled, threedmatch, world_poses};
+use crate::registering::{Judge, registered, sampled, world_poses};
 use crate::scene::Scene;
-use crate::table::{Table, percent};
 
 /// The rows of the paper's table.
 pub const ROWS: [&str; 5] = [
@@ -32,13 +30,13 @@ const SGHR_ITERATIONS: usize = 50;
 pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
     let mut records = Vec::new();
     for run in 0..arguments.runs as usize {
-        let full = threedmatch(arguments);
+        let full = scene.main_params();
         let mut without = full.clone();
         without.compatibility.retained_fraction = 1.0;
         without.posegraph.neighbors = scene.scans.len().max(1);
 
-        let found = registered(scene, &full, run, arguments)?;
-        let scans = sampled(&scene.scans, &without, run, arguments);
+        let found = registered(scene, full, run)?;
+        let scans = sampled(scene, &without, run);
         let unselected = register(&scans, &without)?;
         let (graph, complete_graph) = (&found.graph, &unselected.graph);
         let unfiltered_graph = &selected_part(&unselected, full.posegraph.neighbors)?;
@@ -126,44 +124,15 @@ pub fn report(records: &Selection, descriptors: &str, text: &mut String) {
         .configurations()
         .into_iter()
         .partition(|row| ROWS.contains(&row.as_str()));
-    let title = format!("Ablation, registration recall (%), {descriptors} descriptors");
-    table(title, &rows, records).append_to(text);
-    reference::ablation_table().append_to(text);
-    let title = format!(
-        "Synchronisation methods on the same pose graphs, registration recall (%), {descriptors} descriptors"
-    );
-    let reference = ROWS[4].to_owned();
-    let methods: Vec<String> = std::iter::once(reference).chain(others).collect();
-    table(title, &methods, records).append_to(text);
-}
-
-fn table(title: String, rows: &[String], records: &Selection) -> Table {
-    let lists = lists(records);
-    let scenes: Vec<&str> = records.scenes.iter().map(|(scene, _)| *scene).collect();
-    let mut header = vec!["configuration".to_owned()];
-    for column in scenes.iter().chain([&"mean"]) {
-        header.extend(lists.iter().map(|list| format!("{column} {list}")));
+    let methods: Vec<String> = std::iter::once(ROWS[4].to_owned()).chain(others).collect();
+    for list in lists(records) {
+        let title = format!("Ablation, recall (%), list {list}, {descriptors} descriptors");
+        recall_table(title, &rows, &list, records).append_to(text);
     }
-    header.extend(
-        lists
-            .iter()
-            .map(|list| format!("mean {list}, conjugate sign")),
-    );
-    let mut table = Table::new(title, header);
-    for row in rows {
-        let mut cells = vec![row.clone()];
-        for scene in &scenes {
-            let of_scene = lists
-                .iter()
-                .map(|list| records.scene_spread(scene, row, list));
-            cells.extend(of_scene.map(percent));
-        }
-        cells.extend(
-            lists
-                .iter()
-                .map(|list| percent(records.mean_spread(row, list))),
+    for list in lists(records) {
+        let title = format!(
+            "Synchronisation methods on the same pose graphs, recall (%), list {list}, {descriptors} descriptors"
         );
-        table.row(cells);
+        recall_table(title, &methods, &list, records).append_to(text);
     }
-    table
 }

@@ -7,24 +7,22 @@ use std::path::Path;
 use gmpcr::posegraph::{Connectivity, PairConfidences};
 use gmpcr_eval::ConnectivitySummary;
 
-use crate::arguments::Arguments;
 use crate::figures::{Panel, Series, write_figure};
 use crate::records::{Record, Selection};
-use crate::reference;
-use crate::registering::{registered, threedlomatch, threedmatch};
+use crate::registering::registered;
 use crate::scene::Scene;
 use crate::table::Table;
 
 const MAX_NEIGHBORS: usize = 10;
-const PRESETS: [&str; 2] = ["3DMatch preset", "3DLoMatch preset"];
+/// Between the preset and the size of the neighbourhood.
+const K: &str = ", K = ";
 
-pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
+pub fn run(scene: &Scene) -> Result<Vec<Record>, Box<dyn Error>> {
     let mut records = Vec::new();
-    let presets = [threedmatch(arguments), threedlomatch(arguments)];
-    for (preset, params) in PRESETS.into_iter().zip(presets) {
-        let confidences = &registered(scene, &params, 0, arguments)?.confidences;
+    for (preset, params) in &scene.presets {
+        let confidences = &registered(scene, params, 0)?.confidences;
         for k in 1..=MAX_NEIGHBORS {
-            let configuration = format!("{preset}, K = {k}");
+            let configuration = format!("{preset}{K}{k}");
             let figures = connectivity(confidences, k);
             let record = |metric, value| Record::new(&configuration, 0, metric, value);
             records.extend([
@@ -36,6 +34,17 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn 
         }
     }
     Ok(records)
+}
+
+/// The presets that there are figures for.
+fn presets(records: &Selection) -> Vec<String> {
+    let of_configuration =
+        |name: &String| Some(name.strip_suffix("1")?.strip_suffix(K)?.to_owned());
+    records
+        .configurations()
+        .iter()
+        .filter_map(of_configuration)
+        .collect()
 }
 
 fn connectivity(confidences: &PairConfidences, k: usize) -> Connectivity {
@@ -67,10 +76,10 @@ pub fn report(
     ];
     let mut table = Table::new(title, header);
     let (mut connected, mut largest) = (Vec::new(), Vec::new());
-    for preset in PRESETS {
+    for preset in presets(records) {
         let mut lines = (Vec::new(), Vec::new());
         for k in 1..=MAX_NEIGHBORS {
-            let configuration = format!("{preset}, K = {k}");
+            let configuration = format!("{preset}{K}{k}");
             let Some(summary) = summary(records, &configuration) else {
                 continue;
             };
@@ -88,11 +97,10 @@ pub fn report(
                 format!("{:.1}", summary.mean_num_edges),
             ]);
         }
-        connected.push(Series::new(preset, lines.0));
+        connected.push(Series::new(&preset, lines.0));
         largest.push(Series::new(preset, lines.1));
     }
     table.append_to(text);
-    reference::connectivity_table().append_to(text);
     let panels = [
         ("connected scenes", "scenes (%)", connected),
         ("worst scene", "largest component (%)", largest),

@@ -15,6 +15,7 @@ use clap::ValueEnum;
 
 use crate::arguments::Arguments;
 use crate::records::{Record, Store};
+use crate::reference;
 use crate::scene::Scene;
 
 /// What can be run.
@@ -69,8 +70,8 @@ impl Experiment {
             Self::Recall => recall::run(scene, arguments),
             Self::Ablation => ablation::run(scene, arguments),
             Self::Views => views::run(scene, arguments),
-            Self::Retrieval => retrieval::run(scene, arguments),
-            Self::Connectivity => connectivity::run(scene, arguments),
+            Self::Retrieval => retrieval::run(scene),
+            Self::Connectivity => connectivity::run(scene),
             Self::Sync => Ok(Vec::new()),
             Self::Time => time::run(scene, arguments),
         }
@@ -101,6 +102,9 @@ impl Experiment {
                 Self::Sync => {}
                 Self::Time => time::report(&records, descriptors, &figure("time"), text)?,
             }
+        }
+        for table in reference::tables(self) {
+            table.append_to(text);
         }
         Ok(())
     }

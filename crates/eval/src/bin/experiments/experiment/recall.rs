@@ -7,19 +7,15 @@ use gmpcr_eval::{SCANNET_DEGREES, SCANNET_METRES};
 
 use crate::arguments::Arguments;
 use crate::records::{Record, Selection};
-use crate::reference;
-use crate::registering::{Judge, registered, threedlomatch, threedmatch, world_poses};
+use crate::registering::{Judge, registered, world_poses};
 use crate::scene::Scene;
-use crate::table::{Table, number, percent};
-
-const PRESETS: [&str; 2] = ["3DMatch preset", "3DLoMatch preset"];
+use crate::table::{Table, both_signs, number};
 
 pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
     let mut records = Vec::new();
     for run in 0..arguments.runs as usize {
-        let presets = [threedmatch(arguments), threedlomatch(arguments)];
-        for (configuration, params) in PRESETS.into_iter().zip(presets) {
-            let found = registered(scene, &params, run, arguments)?;
+        for (configuration, params) in &scene.presets {
+            let found = registered(scene, params, run)?;
             let poses = world_poses(&found.world_from_scan, &found.components);
             let judge = Judge {
                 scene,
@@ -33,60 +29,57 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn 
 }
 
 pub fn report(records: &Selection, descriptors: &str, text: &mut String) {
-    recalls(records, descriptors, text);
+    for list in lists(records) {
+        let title = format!("Registration recall (%), list {list}, {descriptors} descriptors");
+        recall_table(title, &records.configurations(), &list, records).append_to(text);
+    }
     pose_errors(records, descriptors, text);
     name_unjudgeable(records, text);
 }
 
-fn recalls(records: &Selection, descriptors: &str, text: &mut String) {
-    for list in lists(records) {
-        let title = format!(
-            "Registration recall (%), list {list}, {descriptors} descriptors: mean ± deviation over sampling starts"
-        );
-        let mut header = vec!["configuration".to_owned()];
-        header.extend(records.scenes.iter().map(|(scene, _)| (*scene).to_owned()));
-        let means = ["scene mean", "pooled", "conjugate sign", "15°, 0.3 m"];
-        header.extend(means.map(str::to_owned));
-        let mut table = Table::new(title, header);
-        for configuration in records.configurations() {
-            let mut row = vec![configuration.clone()];
-            row.extend(
-                records
-                    .scenes
-                    .iter()
-                    .map(|(scene, _)| percent(records.scene_spread(scene, &configuration, &list))),
-            );
-            let mean = |metric: &str| percent(records.mean_spread(&configuration, metric));
-            let (registered, pairs) = (format!("{list} registered"), format!("{list} pairs"));
-            row.push(mean(&list));
-            row.push(percent(records.ratio_spread(
-                &configuration,
-                &registered,
-                &pairs,
-            )));
-            row.push(mean(&format!("{list} conjugate")));
-            row.push(mean(&format!("{list} within 15° and 0.3 m")));
-            table.row(row);
-        }
-        table.append_to(text);
+/// Recall on one list, a row per configuration: every scene, the mean over the scenes and all pairs
+/// together; with its deviation over the runs, and in brackets with the conjugate sign.
+pub fn recall_table(title: String, rows: &[String], list: &str, records: &Selection) -> Table {
+    let mut header = vec!["configuration".to_owned()];
+    header.extend(records.scenes.iter().map(|(scene, _)| (*scene).to_owned()));
+    header.extend(["scene mean", "all pairs together"].map(str::to_owned));
+    let mut table = Table::new(title, header);
+    let conjugate = format!("{list} conjugate");
+    for row in rows {
+        let mut cells = vec![row.clone()];
+        cells.extend(records.scenes.iter().map(|(scene, _)| {
+            let of_scene = |metric: &str| records.scene_spread(scene, row, metric);
+            both_signs(of_scene(list), of_scene(&conjugate))
+        }));
+        let mean = |metric: &str| records.mean_spread(row, metric);
+        cells.push(both_signs(mean(list), mean(&conjugate)));
+        let pooled = |metric: &str| {
+            let (part, whole) = (format!("{metric} registered"), format!("{metric} pairs"));
+            records.ratio_spread(row, &part, &whole)
+        };
+        cells.push(both_signs(pooled(list), pooled(&conjugate)));
+        table.row(cells);
     }
-    reference::recall_table().append_to(text);
+    table
 }
 
 fn pose_errors(records: &Selection, descriptors: &str, text: &mut String) {
-    let title =
-        format!("Shares of pairs (%) under thresholds and pose errors, {descriptors} descriptors");
-    let mut header = vec!["list, configuration".to_owned()];
+    let title = format!(
+        "Shares of all listed pairs (%) under thresholds, and errors of those with an estimate, {descriptors} descriptors"
+    );
+    let mut header = vec!["list, configuration".to_owned(), "15° and 0.3 m".to_owned()];
     header.extend(SCANNET_DEGREES.map(|limit| format!("{limit}°")));
     header.extend(["mean", "median"].map(|statistic| format!("{statistic} (°)")));
     header.extend(SCANNET_METRES.map(|limit| format!("{limit} m")));
     header.extend(["mean", "median"].map(|statistic| format!("{statistic} (m)")));
+    header.push("without estimate (%)".to_owned());
     let mut table = Table::new(title, header);
     for list in lists(records) {
         for configuration in records.configurations() {
             let mean = |metric: String| records.mean_spread(&configuration, &metric);
             let share = |metric: String| number(mean(metric), 100.0, 1);
             let mut row = vec![format!("{list}, {configuration}")];
+            row.push(share(format!("{list} within 15° and 0.3 m")));
             row.extend(SCANNET_DEGREES.map(|limit| share(format!("{list} under {limit}°"))));
             for statistic in ["mean", "median"] {
                 row.push(number(mean(format!("{list} {statistic} degrees")), 1.0, 2));
@@ -95,6 +88,7 @@ fn pose_errors(records: &Selection, descriptors: &str, text: &mut String) {
             for statistic in ["mean", "median"] {
                 row.push(number(mean(format!("{list} {statistic} metres")), 1.0, 3));
             }
+            row.push(share(format!("{list} without estimate")));
             table.row(row);
         }
     }

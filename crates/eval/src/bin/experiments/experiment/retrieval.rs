@@ -11,62 +11,56 @@ use gmpcr_eval::{DecileSummary, GroundTruthPair, OverlapDeciles, auc, overlap_de
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::arguments::Arguments;
 use crate::figures::{Panel, Series, write_figure};
 use crate::records::{Record, Selection};
-use crate::reference;
-use crate::registering::{registered, threedlomatch, threedmatch};
+use crate::registering::registered;
 use crate::scene::Scene;
 use crate::table::{Table, number, percent};
 
 const NEIGHBORS: [usize; 3] = [4, 8, 12];
-const RANKINGS: [&str; 4] = [
-    "confidence, 3DMatch preset",
-    "confidence, 3DLoMatch preset",
-    "confidence without spectral filtering",
-    "number of mutual matches",
-];
+const UNFILTERED: &str = "confidence without spectral filtering";
+const MATCHES: &str = "number of mutual matches";
 const DECILES: &str = "deciles";
 const RESPONSE: &str = "spectral response";
+const LOW_OVERLAP: &str = "3dlomatch";
 /// Bins of the distribution of responses in [0, 1].
 const BINS: usize = 20;
 
-pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
-    let mut records = responses(scene, &threedmatch(arguments))?;
+pub fn run(scene: &Scene) -> Result<Vec<Record>, Box<dyn Error>> {
+    let mut records = responses(scene)?;
     let Some(overlap) = &scene.overlap else {
         return Ok(records);
     };
-    let mut unfiltered = threedmatch(arguments);
-    unfiltered.compatibility.retained_fraction = 1.0;
-    let presets = [threedmatch(arguments), threedlomatch(arguments), unfiltered];
     let mut rankings = Vec::new();
-    for params in &presets {
-        rankings.push(confidences(scene, params, arguments)?);
+    for (preset, params) in &scene.presets {
+        rankings.push((format!("confidence, {preset}"), confidences(scene, params)?));
     }
-    rankings.push(mutual_matches(scene, &presets[0])?);
-    for (configuration, confidence) in RANKINGS.into_iter().zip(&rankings) {
+    let mut unfiltered = scene.main_params().clone();
+    unfiltered.compatibility.retained_fraction = 1.0;
+    rankings.push((UNFILTERED.to_owned(), confidences(scene, &unfiltered)?));
+    rankings.push((
+        MATCHES.to_owned(),
+        mutual_matches(scene, scene.main_params())?,
+    ));
+    for (configuration, confidence) in &rankings {
         for k in NEIGHBORS {
             let confidence = |i, j| confidence[(i, j)];
             let found = retrieval(scene.scans.len(), k, confidence, |i, j| overlap[(i, j)]);
             if let Some(found) = found {
                 let record = |metric: &str, value| {
-                    Record::new(configuration, 0, format!("{metric} at {k}"), value)
+                    Record::new(configuration.as_str(), 0, format!("{metric} at {k}"), value)
                 };
                 records.extend([record("R", found.recall), record("regret", found.regret)]);
             }
         }
     }
-    records.extend(evidence(&rankings[0], overlap)?);
+    records.extend(evidence(&rankings[0].1, overlap)?);
     Ok(records)
 }
 
 /// Symmetric matrix of raw confidences.
-fn confidences(
-    scene: &Scene,
-    params: &Params,
-    arguments: &Arguments,
-) -> Result<DMatrix<f64>, Box<dyn Error>> {
-    let confidences = &registered(scene, params, 0, arguments)?.confidences;
+fn confidences(scene: &Scene, params: &Params) -> Result<DMatrix<f64>, Box<dyn Error>> {
+    let confidences = &registered(scene, params, 0)?.confidences;
     let mut matrix = DMatrix::zeros(scene.scans.len(), scene.scans.len());
     for pair in confidences.pairs() {
         matrix[(pair.i, pair.j)] = pair.raw_confidence;
@@ -125,11 +119,15 @@ fn evidence(
     Ok(records)
 }
 
-/// How well the spectral response tells inliers from outliers, list by list.
-fn responses(scene: &Scene, params: &Params) -> Result<Vec<Record>, Box<dyn Error>> {
-    let keypoints = keypoints(scene, params);
+/// How well the spectral response tells inliers from outliers, list by list; that of 3DLoMatch with
+/// its own preset.
+fn responses(scene: &Scene) -> Result<Vec<Record>, Box<dyn Error>> {
     let mut records = Vec::new();
     for list in &scene.lists {
+        let last = scene.presets.len() - 1;
+        let place = if list.name == LOW_OVERLAP { last } else { 0 };
+        let (_, params) = &scene.presets[place];
+        let keypoints = keypoints(scene, params);
         let judge = |pair: &GroundTruthPair| judged_responses(&keypoints, pair, params);
         let judged: Result<Vec<_>, _> = list.pairs.par_iter().map(judge).collect();
         let mut areas = Vec::new();
@@ -144,8 +142,10 @@ fn responses(scene: &Scene, params: &Params) -> Result<Vec<Record>, Box<dyn Erro
         let record = |metric: String, value| Record::new(RESPONSE, 0, metric, value);
         let name = &list.name;
         if !areas.is_empty() {
-            let mean = areas.iter().sum::<f64>() / areas.len() as f64;
-            records.push(record(format!("{name} auc"), mean));
+            let (sum, count) = (areas.iter().sum::<f64>(), areas.len() as f64);
+            records.push(record(format!("{name} auc"), sum / count));
+            records.push(record(format!("{name} auc sum"), sum));
+            records.push(record(format!("{name} auc pairs"), count));
         }
         for (class, counts) in ["outliers", "inliers"].into_iter().zip(counts) {
             for (bin, count) in counts.into_iter().enumerate() {
@@ -185,15 +185,18 @@ pub fn report(
     header.extend(NEIGHBORS.map(|k| format!("R@{k} (%)")));
     header.extend(NEIGHBORS.map(|k| format!("regret at {k}")));
     let mut table = Table::new(title, header);
-    for ranking in RANKINGS {
-        let mean = |metric: String| records.mean_spread(ranking, &metric);
-        let mut row = vec![ranking.to_owned()];
+    let not_rankings = ["pairs", DECILES, RESPONSE];
+    for ranking in records.configurations() {
+        if not_rankings.contains(&ranking.as_str()) {
+            continue;
+        }
+        let mean = |metric: String| records.mean_spread(&ranking, &metric);
+        let mut row = vec![ranking.clone()];
         row.extend(NEIGHBORS.map(|k| percent(mean(format!("R at {k}")))));
         row.extend(NEIGHBORS.map(|k| number(mean(format!("regret at {k}")), 1.0, 4)));
         table.row(row);
     }
     table.append_to(text);
-    reference::retrieval_table().append_to(text);
     report_responses(records, descriptors, &figure("responses"), text)?;
     report_deciles(records, descriptors, &figure("deciles"), text)?;
     draw_pairs(records, &figure("confidence_overlap"))
@@ -210,10 +213,11 @@ fn report_responses(
     );
     let mut header = vec!["list".to_owned()];
     header.extend(records.scenes.iter().map(|(scene, _)| (*scene).to_owned()));
-    header.extend(["scene mean".to_owned(), "paper (8 scenes, YOHO)".to_owned()]);
+    let means = ["scene mean", "mean of all pairs", "paper (8 scenes, YOHO)"];
+    header.extend(means.map(str::to_owned));
     let mut table = Table::new(title, header);
     let mut panels = Vec::new();
-    for (list, paper) in [("3dmatch", "–"), ("3dlomatch", "0.801"), ("gt", "–")] {
+    for list in ["3dmatch", LOW_OVERLAP, "gt", "poses"] {
         let metric = format!("{list} auc");
         let Some(mean) = records.mean_spread(RESPONSE, &metric) else {
             continue;
@@ -221,7 +225,14 @@ fn report_responses(
         let mut row = vec![list.to_owned()];
         let scenes = records.scenes.iter();
         row.extend(scenes.map(|(s, _)| number(records.scene_spread(s, RESPONSE, &metric), 1.0, 3)));
-        row.extend([format!("{:.3}", mean.mean), paper.to_owned()]);
+        let (sum, pairs) = (format!("{metric} sum"), format!("{metric} pairs"));
+        let pooled = records.ratio_spread(RESPONSE, &sum, &pairs);
+        let paper = if list == LOW_OVERLAP { "0.801" } else { "–" };
+        row.extend([
+            format!("{:.3}", mean.mean),
+            number(pooled, 1.0, 3),
+            paper.to_owned(),
+        ]);
         table.row(row);
         let distributions = ["inliers", "outliers"].map(|class| distribution(records, list, class));
         let panel = Panel::new(

@@ -1,5 +1,6 @@
 //! All synchronisation methods on pose graphs of which a share of the edges is wrong.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -7,17 +8,20 @@ use std::time::Instant;
 
 use gmpcr::posegraph::{PoseEdge, PoseGraph};
 use gmpcr::sync::{Method, SyncParams, synchronize};
-use gmpcr_eval::{Gauge, absolute_errors};
+use gmpcr_eval::{Gauge, PoseError, absolute_errors};
 use gmpcr_io::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
 use gmpcr_sim::{EdgeWeights, Outliers, PoseGraphSimParams, Topology, simulate_pose_graph};
-use indicatif::ProgressBar;
 use nalgebra::{Isometry3, Matrix6, Vector6};
+use rand::RngExt;
 use rayon::prelude::*;
 
 use crate::arguments::Arguments;
 use crate::figures::{Panel, Series, write_figure};
+use crate::progress::Progress;
 use crate::records::{Record, Selection, Store, Unit};
 use crate::reference;
+use crate::registering::generator;
+use crate::scene::fingerprint;
 use crate::table::{Table, number};
 
 const EXPERIMENT: &str = "sync";
@@ -103,8 +107,8 @@ fn families() -> Vec<Family> {
 }
 
 impl Family {
-    fn num_graphs(&self, arguments: &Arguments) -> usize {
-        (self.graphs_per_run * arguments.runs as usize).max(1)
+    fn num_graphs(&self, num_runs: usize) -> usize {
+        (self.graphs_per_run * num_runs).max(1)
     }
 }
 
@@ -114,50 +118,68 @@ struct Problem {
     world_from_scan: Vec<Isometry3<f64>>,
 }
 
-/// Runs what is not in the store yet. Returns what failed.
+/// Units of work: a share of wrong edges of a family, or a file.
+pub fn num_units(arguments: &Arguments) -> usize {
+    let of_families = families()
+        .iter()
+        .map(|family| family.outliers.len())
+        .sum::<usize>();
+    of_families + arguments.graphs.len()
+}
+
+/// Runs what is not in the store yet.
 pub fn run_all(
     arguments: &Arguments,
     store: &mut Store,
-    progress: &ProgressBar,
-) -> Result<(), Vec<String>> {
-    let mut failures = Vec::new();
+    progress: &Progress,
+    failures: &mut Vec<String>,
+) {
     for family in families() {
         for &percent in family.outliers {
-            progress.set_message(format!("{}, {percent} % wrong", family.title));
-            let scene = format!("{percent:02}");
+            let label = format!("{}, {percent} % wrong", family.title);
             let unit = Unit {
                 experiment: EXPERIMENT,
                 descriptors: family.name,
-                scene: &scene,
+                scene: &scene_of(percent),
+                input: "simulated",
             };
-            if !store.holds(&unit) {
-                let outcome = run_family(&family, percent, arguments)
-                    .and_then(|records| store.add(unit, records));
-                let named = |error| format!("{}, {percent} %: {error}", family.title);
-                failures.extend(outcome.err().map(named));
-            }
+            let run = || run_family(&family, percent, arguments);
+            run_unit(&unit, label, run, store, progress, failures);
         }
     }
     for file in &arguments.graphs {
-        let scene = file.file_stem().unwrap_or_default().to_string_lossy();
+        let input = fingerprint(&[file]);
         let unit = Unit {
             experiment: EXPERIMENT,
             descriptors: FILES,
-            scene: &scene,
+            scene: &file.display().to_string().replace(['/', '\\'], "_"),
+            input: &input,
         };
-        if !store.holds(&unit) {
-            let outcome = read_problem(file)
-                .and_then(|problem| run_methods(&problem, 0))
-                .and_then(|records| store.add(unit, records));
-            failures.extend(outcome.err().map(|error| error.to_string()));
-        }
+        let label = file.display().to_string();
+        let run = || read_problem(file).and_then(|problem| run_methods(&problem, 0));
+        run_unit(&unit, label, run, store, progress, failures);
     }
-    progress.inc(1);
-    if failures.is_empty() {
-        Ok(())
-    } else {
-        Err(failures)
+}
+
+fn run_unit(
+    unit: &Unit,
+    label: String,
+    run: impl FnOnce() -> Result<Vec<Record>, Box<dyn Error>>,
+    store: &mut Store,
+    progress: &Progress,
+    failures: &mut Vec<String>,
+) {
+    if !store.holds(unit) {
+        progress.begin(label.clone());
+        let outcome = run().and_then(|records| store.add(unit, records));
+        failures.extend(outcome.err().map(|error| format!("{label}: {error}")));
     }
+    progress.advance(1);
+}
+
+/// Shares sort as their names do.
+fn scene_of(percent: u32) -> String {
+    format!("{percent:02}")
 }
 
 /// All graphs of a family with this share of wrong edges; the first is kept as a file.
@@ -167,9 +189,9 @@ fn run_family(
     arguments: &Arguments,
 ) -> Result<Vec<Record>, Box<dyn Error>> {
     let mut records = Vec::new();
-    for run in 0..family.num_graphs(arguments) {
+    for run in 0..family.num_graphs(arguments.runs as usize) {
         let params = PoseGraphSimParams {
-            seed: arguments.seed + run as u64,
+            seed: generator(arguments.seed, run, percent as usize).random(),
             outlier_share: f64::from(percent) / 100.0,
             ..family.params
         };
@@ -177,7 +199,7 @@ fn run_family(
         if run == 0 {
             let folder = arguments.out.join("graphs");
             fs::create_dir_all(&folder)?;
-            let file = folder.join(format!("{}_{percent:02}.g2o", family.name));
+            let file = folder.join(format!("{}_{}.g2o", family.name, scene_of(percent)));
             write_problem(&file, &problem, &params)?;
         }
         records.extend(run_methods(&problem, run)?);
@@ -235,22 +257,21 @@ fn write_problem(
 /// Reads a graph whose vertices are the truth; all edges weigh the same.
 fn read_problem(file: &Path) -> Result<Problem, Box<dyn Error>> {
     let read = read_g2o(file)?;
+    let vertices = read.vertices.iter().enumerate();
+    let places: BTreeMap<usize, usize> = vertices.map(|(place, v)| (v.id, place)).collect();
     let place = |id: usize| {
-        let found = read.vertices.iter().position(|vertex| vertex.id == id);
-        found.ok_or_else(|| format!("{}: no VERTEX_SE3:QUAT {id}", file.display()))
+        let place = places.get(&id).copied();
+        place.ok_or_else(|| format!("vertex {id} of an edge has no VERTEX_SE3:QUAT"))
     };
-    let edges: Result<Vec<_>, String> = read
-        .edges
-        .iter()
-        .map(|edge| {
-            Ok(PoseEdge {
-                i: place(edge.i)?,
-                j: place(edge.j)?,
-                i_from_j: edge.i_from_j,
-                weight: 1.0,
-            })
+    let edge = |edge: &G2oEdge| {
+        Ok(PoseEdge {
+            i: place(edge.i)?,
+            j: place(edge.j)?,
+            i_from_j: edge.i_from_j,
+            weight: 1.0,
         })
-        .collect();
+    };
+    let edges: Result<Vec<_>, String> = read.edges.iter().map(edge).collect();
     let poses = read.vertices.iter().map(|vertex| vertex.world_from_vertex);
     Ok(Problem {
         graph: PoseGraph::new(read.vertices.len(), edges?)?,
@@ -278,15 +299,15 @@ fn run_method(
     let start = Instant::now();
     let found = synchronize(&problem.graph, &params);
     let seconds = start.elapsed().as_secs_f64();
-    let errors = absolute_errors(
-        &found.world_from_scan,
-        &problem.world_from_scan,
-        Gauge::LeastAbsolute,
-    )?;
-    let mut degrees: Vec<f64> = errors
-        .iter()
-        .map(|error| error.rotation_degrees())
-        .collect();
+    let mut errors = Vec::new();
+    for scans in found.components.members() {
+        let of_component =
+            |poses: &[Isometry3<f64>]| scans.iter().map(|&scan| poses[scan]).collect::<Vec<_>>();
+        let estimated = of_component(&found.world_from_scan);
+        let truth = of_component(&problem.world_from_scan);
+        errors.extend(absolute_errors(&estimated, &truth, Gauge::LeastAbsolute)?);
+    }
+    let mut degrees: Vec<f64> = errors.iter().map(PoseError::rotation_degrees).collect();
     let mut metres: Vec<f64> = errors.iter().map(|error| error.translation).collect();
     let values = [
         mean(&degrees),
@@ -305,7 +326,12 @@ fn mean(values: &[f64]) -> f64 {
 
 fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    let middle = [values.len().saturating_sub(1) / 2, values.len() / 2];
+    middle
+        .map(|k| values.get(k).copied().unwrap_or(0.0))
+        .iter()
+        .sum::<f64>()
+        / 2.0
 }
 
 pub fn report(store: &Store, folder: &Path, text: &mut String) -> Result<(), Box<dyn Error>> {
@@ -338,8 +364,7 @@ pub fn report(store: &Store, folder: &Path, text: &mut String) -> Result<(), Box
 fn panel(family: &Family, records: &Selection) -> Panel {
     let line = |method: String| {
         let points = family.outliers.iter().filter_map(|&percent| {
-            let scene = format!("{percent:02}");
-            let error = records.scene_spread(&scene, &method, "rotation mean")?;
+            let error = records.scene_spread(&scene_of(percent), &method, "rotation mean")?;
             Some((f64::from(percent), error.mean))
         });
         Series::new(method.clone(), points.collect())
@@ -349,42 +374,54 @@ fn panel(family: &Family, records: &Selection) -> Panel {
 }
 
 fn report_family(family: &Family, records: &Selection, text: &mut String) {
+    let methods = records.configurations();
+    let num_graphs = methods.first().map_or(0, |method| {
+        let scene = scene_of(family.outliers[0]);
+        records.of_scene(&scene, method, STATISTICS[0]).len()
+    });
     let title = format!(
-        "{}: rotation error (°), mean / median over scans, mean over graphs, and time",
+        "{}: rotation error (°), mean / median over scans, mean of {num_graphs} graphs; wall time of one of two threads",
         family.title
     );
-    let shares = family.outliers.iter().map(|percent| format!("{percent} %"));
-    let header = ["method".to_owned()]
-        .into_iter()
-        .chain(shares)
-        .chain(["ms".to_owned()]);
-    let mut table = Table::new(title, header);
-    for method in records.configurations() {
+    let shares = || family.outliers.iter().map(|percent| format!("{percent} %"));
+    let method = || std::iter::once("method".to_owned());
+    let mut rotations = Table::new(title, method().chain(shares()).chain(["ms".to_owned()]));
+    let title = format!(
+        "{}: translation error (m), mean / median over scans",
+        family.title
+    );
+    let mut translations = Table::new(title, method().chain(shares()));
+    for method in methods {
         let figure = |percent: u32, statistic, factor, digits| {
-            let scene = format!("{percent:02}");
             number(
-                records.scene_spread(&scene, &method, statistic),
+                records.scene_spread(&scene_of(percent), &method, statistic),
                 factor,
                 digits,
             )
         };
-        let mut row = vec![method.clone()];
-        row.extend(family.outliers.iter().map(|&percent| {
-            let [mean, median] =
-                ["rotation mean", "rotation median"].map(|s| figure(percent, s, 1.0, 2));
-            format!("{mean} / {median}")
-        }));
-        let time = |&percent: &u32| figure(percent, "seconds", 1e3, 1);
-        let times = [family.outliers.first(), family.outliers.last()];
-        row.push(
-            times
-                .into_iter()
-                .flatten()
-                .map(time)
+        let row = |statistics: [&'static str; 2], digits| {
+            let cell = |&percent: &u32| {
+                statistics
+                    .map(|statistic| figure(percent, statistic, 1.0, digits))
+                    .join(" / ")
+            };
+            let cells = family.outliers.iter().map(cell);
+            std::iter::once(method.clone())
+                .chain(cells)
                 .collect::<Vec<_>>()
-                .join("–"),
+        };
+        let ends = [family.outliers.first(), family.outliers.last()];
+        let times = ends
+            .into_iter()
+            .flatten()
+            .map(|&percent| figure(percent, STATISTICS[4], 1e3, 1));
+        let time = times.collect::<Vec<_>>().join("–");
+        rotations.row(
+            row([STATISTICS[0], STATISTICS[1]], 2)
+                .into_iter()
+                .chain([time]),
         );
-        table.row(row);
+        translations.row(row([STATISTICS[2], STATISTICS[3]], 3));
     }
     for (system, figures, time) in reference::synchronization(family.name) {
         let cell = |percent: &u32| {
@@ -393,9 +430,10 @@ fn report_family(family: &Family, records: &Selection, text: &mut String) {
         };
         let cells = family.outliers.iter().map(cell);
         let row = [format!("*{system}*")].into_iter().chain(cells);
-        table.row(row.chain([(*time).to_owned()]));
+        rotations.row(row.chain([(*time).to_owned()]));
     }
-    table.append_to(text);
+    rotations.append_to(text);
+    translations.append_to(text);
 }
 
 #[cfg(test)]

@@ -8,17 +8,17 @@ use gmpcr::register;
 use crate::arguments::Arguments;
 use crate::figures::{Panel, write_figure};
 use crate::records::{Record, Selection};
-use crate::reference;
-use crate::registering::threedmatch;
 use crate::scene::Scene;
 use crate::table::{Table, number};
 
 const DESCRIPTION: &str = "normals and FPFH";
-const CONFIGURATION: &str = "3DMatch preset";
+const CONFIGURATION: &str = "main preset";
+const SYNCHRONISATION: &str = "synchronisation";
+const NUM_SCANS: &str = "scans";
 
 pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
     let mut records = vec![
-        Record::new(CONFIGURATION, 0, "scans", scene.scans.len() as f64),
+        Record::new(CONFIGURATION, 0, NUM_SCANS, scene.scans.len() as f64),
         Record::new(
             CONFIGURATION,
             0,
@@ -27,7 +27,7 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn 
         ),
     ];
     for run in 0..arguments.runs as usize {
-        let found = register(&scene.scans, &threedmatch(arguments))?;
+        let found = register(&scene.scans, scene.main_params())?;
         let stages = found.times.stages().into_iter();
         records.extend(
             stages.map(|(stage, time)| Record::new(CONFIGURATION, run, stage, time.as_secs_f64())),
@@ -40,7 +40,7 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn 
 fn stages(records: &Selection) -> Vec<String> {
     let mut stages: Vec<String> = Vec::new();
     for record in records.scenes.iter().flat_map(|(_, records)| *records) {
-        if record.metric != "scans" && !stages.contains(&record.metric) {
+        if record.metric != NUM_SCANS && !stages.contains(&record.metric) {
             stages.push(record.metric.clone());
         }
     }
@@ -60,13 +60,26 @@ pub fn report(
     let mut table = Table::new(title, header);
     let seconds = |scene: &str, stage: &str| records.scene_spread(scene, CONFIGURATION, stage);
     for (scene, _) in &records.scenes {
-        let mut row = vec![(*scene).to_owned(), number(seconds(scene, "scans"), 1.0, 0)];
+        let mut row = vec![
+            (*scene).to_owned(),
+            number(seconds(scene, NUM_SCANS), 1.0, 0),
+        ];
         let times = stages.iter().map(|stage| seconds(scene, stage));
         row.extend(times.map(|time| number(time, 1e3, 1)));
         table.row(row);
     }
     table.append_to(text);
-    reference::time_table().append_to(text);
+    let mean = |stage: &str| {
+        records
+            .mean_spread(CONFIGURATION, stage)
+            .map_or(0.0, |t| t.mean)
+    };
+    let synchronization = mean(SYNCHRONISATION);
+    let total: f64 = stages.iter().map(|stage| mean(stage)).sum();
+    let title = format!("Average time per scene (s), {descriptors} descriptors");
+    let mut table = Table::new(title, ["main module", "synchronisation", "total"]);
+    table.row([total - synchronization, synchronization, total].map(|time| format!("{time:.3}")));
+    table.append_to(text);
     let names: Vec<String> = records
         .scenes
         .iter()
