@@ -106,7 +106,7 @@ pub fn report(
             .collect(),
     };
     let num_large = large.scenes.len();
-    if num_large > 0 {
+    if num_large > 1 {
         add_rows(
             &format!("mean of {num_large} with more than 50"),
             &large,
