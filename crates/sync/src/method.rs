@@ -94,7 +94,9 @@ pub enum Method {
     /// unsupported scans by the number of their edges, and never takes filtered edges back. Finding the
     /// triangles costs `O(Σ deg² log deg)`.
     Hara,
-    /// Our own, for graphs where many edges are wrong.
+    /// Our own, for graphs where many edges are wrong. It lives on triangles: on graphs with few of
+    /// them it is no better than others, and where more than a third of the edges tell one and the
+    /// same wrong story, their triangles mislead it.
     ///
     /// 1. Edges that close triangles in rotation *and* translation are right: random edges do not.
     ///    The median gap of the triangles whose rotations close is the translation noise.
