@@ -2,15 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use gmpcr_posegraph::{PoseEdge, PoseGraph};
-use gmpcr_sync::{
-    History, SyncParams, Synchronization, average_rotations, solve_translations, synchronize,
-};
+use gmpcr_sync::{History, SyncParams, average_rotations, solve_translations, synchronize};
 use nalgebra::{DMatrix, Isometry3, Rotation3, Vector3};
 use proptest::prelude::*;
 
-/// Two scans and the weight of the edge between them.
-type Link = (usize, usize, f64);
+use common::{Link, difference, error, measured, scene};
 
 const SCHEMES: [fn() -> History; 3] = [History::default, || History::Sghr, || History::Memoryless];
 
@@ -21,74 +20,13 @@ fn params(history: History) -> SyncParams {
     }
 }
 
-fn motion() -> impl Strategy<Value = Isometry3<f64>> {
-    let vector = |range: f64| prop::array::uniform3(-range..range).prop_map(Vector3::from);
-    (vector(5.0), vector(1.8)).prop_map(|(t, r)| Isometry3::new(t, r))
-}
-
-/// True poses and a connected graph of edges (j, i, weight), `j > i` first in a tree, then at
-/// random.
-fn scene() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<Link>)> {
-    (2..12usize).prop_flat_map(|n| {
-        let tree = prop::collection::vec((any::<prop::sample::Index>(), 0.1..1.0f64), n - 1);
-        let extra = prop::collection::vec((0..n, 0..n, 0.1..1.0f64), 0..2 * n);
-        let edges = (tree, extra).prop_map(|(tree, extra)| {
-            let tree = tree.into_iter().enumerate();
-            let mut edges: Vec<_> = tree.map(|(k, (i, w))| (k + 1, i.index(k + 1), w)).collect();
-            edges.extend(extra.into_iter().filter(|(i, j, _)| i != j));
-            edges
-        });
-        (prop::collection::vec(motion(), n), edges)
-    })
-}
-
-fn exact_edge(poses: &[Isometry3<f64>], &(i, j, weight): &Link) -> PoseEdge {
-    PoseEdge {
-        i,
-        j,
-        i_from_j: poses[i].inv_mul(&poses[j]),
-        weight,
-    }
-}
-
-fn exact(poses: &[Isometry3<f64>], edges: &[Link]) -> PoseGraph {
-    let edges = edges.iter().map(|edge| exact_edge(poses, edge)).collect();
-    PoseGraph::new(poses.len(), edges).unwrap()
-}
-
-/// A graph whose measurements are off by up to `noise`.
-fn noisy(poses: &[Isometry3<f64>], edges: &[Link], noise: f64) -> PoseGraph {
-    let measured = edges.iter().enumerate().map(|(k, edge)| {
-        let wave = |f: f64| (k as f64 * f).sin() * noise;
-        let turn = Vector3::new(wave(1.1), wave(2.3), wave(3.7));
-        let shift = Vector3::new(wave(0.7), wave(1.9), wave(2.9));
-        let mut edge = exact_edge(poses, edge);
-        edge.i_from_j *= Isometry3::new(shift, turn);
-        edge
-    });
-    PoseGraph::new(poses.len(), measured.collect()).unwrap()
-}
-
-fn difference(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
-    (a.to_matrix() - b.to_matrix()).norm()
-}
-
-/// Largest difference of the poses to the truth in the frame of scan 0.
-fn error(result: &Synchronization, poses: &[Isometry3<f64>]) -> f64 {
-    let expected = poses.iter().map(|pose| poses[0].inv_mul(pose));
-    let pairs = result.world_from_scan.iter().zip(expected);
-    pairs
-        .map(|(pose, expected)| difference(pose, &expected))
-        .fold(0.0, f64::max)
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn noise_free_measurements_give_the_exact_poses((poses, edges) in scene()) {
         for history in SCHEMES {
-            let result = synchronize(&exact(&poses, &edges), &params(history()));
+            let result = synchronize(&measured(&poses, &edges, 0.0), &params(history()));
             prop_assert!(error(&result, &poses) < 1e-8, "{}", error(&result, &poses));
             for edge in &result.edges {
                 prop_assert!(edge.rotation_residual.unwrap() < 1e-8);
@@ -99,7 +37,7 @@ proptest! {
 
     #[test]
     fn reversing_edges_keeps_the_rotations((poses, edges) in scene(), reversed in any::<u32>()) {
-        let graph = noisy(&poses, &edges, 0.05);
+        let graph = measured(&poses, &edges, 0.05);
         let flip = |(k, edge): (usize, &PoseEdge)| match reversed >> (k % 32) & 1 {
             1 => PoseEdge { i: edge.j, j: edge.i, i_from_j: edge.i_from_j.inverse(), weight: edge.weight },
             _ => *edge,
@@ -114,7 +52,7 @@ proptest! {
 
     #[test]
     fn permuting_the_scans_permutes_the_poses((poses, edges) in scene(), seed in any::<u32>()) {
-        let graph = noisy(&poses, &edges, 0.05);
+        let graph = measured(&poses, &edges, 0.05);
         let n = poses.len();
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by_key(|&k| (k as u32).wrapping_mul(seed | 1).rotate_left(7));
@@ -129,7 +67,7 @@ proptest! {
 
     #[test]
     fn the_scale_of_weights_and_lengths_does_not_matter((poses, edges) in scene(), scale in 1e-6..1e6f64) {
-        let graph = noisy(&poses, &edges, 0.05);
+        let graph = measured(&poses, &edges, 0.05);
         let scaled = |edge: &PoseEdge| {
             let mut edge = PoseEdge { weight: edge.weight * scale, ..*edge };
             edge.i_from_j.translation.vector *= scale;
@@ -147,7 +85,7 @@ proptest! {
 
     #[test]
     fn translations_are_those_of_the_dense_normal_equations((poses, edges) in scene()) {
-        let graph = noisy(&poses, &edges, 0.3);
+        let graph = measured(&poses, &edges, 0.3);
         let rotations: Vec<_> = poses.iter().map(|pose| pose.rotation.to_rotation_matrix()).collect();
         let weights: Vec<f64> = graph.edges().iter().map(|edge| edge.weight).collect();
         let found = solve_translations(&graph, &rotations, &weights);
@@ -172,7 +110,7 @@ proptest! {
     #[test]
     fn the_spectral_rotations_minimise_the_relaxed_objective((poses, edges) in scene()) {
         // With small noise the relaxation is close to tight: no rotations nearby are much better.
-        let graph = noisy(&poses, &edges, 1e-3);
+        let graph = measured(&poses, &edges, 1e-3);
         let weights: Vec<f64> = graph.edges().iter().map(|edge| edge.weight).collect();
         let cost = |rotations: &[Rotation3<f64>]| -> f64 {
             graph.edges().iter().map(|edge| {
@@ -204,7 +142,7 @@ fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<Link>) {
 fn outliers_lose_their_weight_and_the_rest_keeps_it() {
     let (poses, edges) = ring(40);
     for history in SCHEMES {
-        let mut wrong = exact(&poses, &edges).edges().to_vec();
+        let mut wrong = measured(&poses, &edges, 0.0).edges().to_vec();
         for k in [3, 30, 57, 88, 101] {
             wrong[k].i_from_j *= Isometry3::new(
                 Vector3::new(3.0, -2.0, 1.0),
@@ -237,7 +175,7 @@ fn outliers_lose_their_weight_and_the_rest_keeps_it() {
 #[test]
 fn components_are_synchronised_each_in_its_own_frame() {
     let (poses, edges) = ring(12);
-    let mut all = exact(&poses, &edges).edges().to_vec();
+    let mut all = measured(&poses, &edges, 0.0).edges().to_vec();
     let shifted = all.clone().into_iter().map(|edge| PoseEdge {
         i: edge.i + 12,
         j: edge.j + 12,
@@ -310,7 +248,7 @@ fn contradictory_and_repeated_edges_give_finite_poses() {
 #[test]
 fn extreme_weights_and_lengths_change_nothing() {
     let (poses, edges) = ring(9);
-    let graph = noisy(&poses, &edges, 0.05);
+    let graph = measured(&poses, &edges, 0.05);
     let plain = synchronize(&graph, &SyncParams::default());
     for (weight, length) in [
         (1e-300, 1.0),
@@ -341,7 +279,7 @@ fn extreme_weights_and_lengths_change_nothing() {
 #[test]
 fn a_weak_bridge_places_both_sides_exactly() {
     let (poses, edges) = ring(8);
-    let ring_edges = exact(&poses, &edges).edges().to_vec();
+    let ring_edges = measured(&poses, &edges, 0.0).edges().to_vec();
     for weight in [1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-16, 1e-100, 1e-300] {
         let mut all = ring_edges.clone();
         all.extend(ring_edges.iter().map(|edge| PoseEdge {
@@ -390,7 +328,7 @@ fn rotations_under_weights_of_many_decades_are_those_of_the_full_decomposition()
             .enumerate()
             .map(|(k, (i, j))| (i, j, weight(k)))
             .collect();
-        let graph = noisy(&poses, &links, 0.3);
+        let graph = measured(&poses, &links, 0.3);
         let weights: Vec<f64> = graph.edges().iter().map(|edge| edge.weight).collect();
         let averaged = average_rotations(&graph, &weights);
         let expected = dense_average(&graph);
@@ -442,7 +380,7 @@ fn dense_average(graph: &PoseGraph) -> Vec<Rotation3<f64>> {
 fn a_thousand_poses_are_exact() {
     let (poses, edges) = ring(1000);
     let result = synchronize(
-        &exact(&poses, &edges),
+        &measured(&poses, &edges, 0.0),
         &SyncParams {
             iterations: 2,
             ..SyncParams::default()

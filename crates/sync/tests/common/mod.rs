@@ -1,0 +1,63 @@
+//! Small random scenes.
+
+use gmpcr_posegraph::{PoseEdge, PoseGraph};
+use gmpcr_sync::Synchronization;
+use nalgebra::{Isometry3, Vector3};
+use proptest::prelude::*;
+
+/// Two scans and the weight of the edge between them.
+pub type Link = (usize, usize, f64);
+
+/// Turns of up to 3.1 radians, shifts of up to 5 along each axis.
+fn motion() -> impl Strategy<Value = Isometry3<f64>> {
+    let vector = |range: f64| prop::array::uniform3(-range..range).prop_map(Vector3::from);
+    (vector(5.0), vector(1.8)).prop_map(|(t, r)| Isometry3::new(t, r))
+}
+
+/// True poses and the edges (j, i, weight) of a connected graph, `j > i` first in a tree, then at
+/// random.
+pub fn scene() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<Link>)> {
+    (2..12usize).prop_flat_map(|n| {
+        let tree = prop::collection::vec((any::<prop::sample::Index>(), 0.1..1.0f64), n - 1);
+        let extra = prop::collection::vec((0..n, 0..n, 0.1..1.0f64), 0..2 * n);
+        let edges = (tree, extra).prop_map(|(tree, extra)| {
+            let tree = tree.into_iter().enumerate();
+            let mut edges: Vec<_> = tree.map(|(k, (i, w))| (k + 1, i.index(k + 1), w)).collect();
+            edges.extend(extra.into_iter().filter(|(i, j, _)| i != j));
+            edges
+        });
+        (prop::collection::vec(motion(), n), edges)
+    })
+}
+
+/// A graph whose measurements are off by up to `noise`.
+pub fn measured(poses: &[Isometry3<f64>], links: &[Link], noise: f64) -> PoseGraph {
+    let edge = |(k, &(i, j, weight)): (usize, &Link)| {
+        let wave = |f: f64| (k as f64 * f + 0.5).sin() * noise;
+        let turn = Vector3::new(wave(1.1), wave(2.3), wave(3.7));
+        let shift = Vector3::new(wave(0.7), wave(1.9), wave(2.9));
+        let i_from_j = poses[i].inv_mul(&poses[j]) * Isometry3::new(shift, turn);
+        PoseEdge {
+            i,
+            j,
+            i_from_j,
+            weight,
+        }
+    };
+    let edges = links.iter().enumerate().map(edge).collect();
+    PoseGraph::new(poses.len(), edges).unwrap()
+}
+
+/// Distance of two motions as matrices.
+pub fn difference(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
+    (a.to_matrix() - b.to_matrix()).norm()
+}
+
+/// Largest difference of the poses to the truth in the frame of scan 0.
+pub fn error(result: &Synchronization, poses: &[Isometry3<f64>]) -> f64 {
+    let expected = poses.iter().map(|pose| poses[0].inv_mul(pose));
+    let pairs = result.world_from_scan.iter().zip(expected);
+    pairs
+        .map(|(pose, expected)| difference(pose, &expected))
+        .fold(0.0, f64::max)
+}
