@@ -25,8 +25,11 @@ impl Table {
             .add_row(cells.into_iter().map(|cell| cell.to_string()));
     }
 
-    /// Appends the table to a text.
+    /// Appends the table to a text, unless it has no rows.
     pub fn append_to(&self, text: &mut String) {
+        if self.inner.is_empty() {
+            return;
+        }
         text.push_str(&format!("\n### {}\n\n{}\n", self.title, self.inner));
     }
 }
