@@ -10,6 +10,26 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::Error;
 
+/// Writes a text file that afterwards holds all of the text or is as it was before.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be written.
+///
+/// # Example
+/// ```
+/// use gmpcr_io::write_text;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("table.md");
+/// write_text(&path, "| a | b |\n")?;
+/// assert_eq!(std::fs::read_to_string(&path)?, "| a | b |\n");
+/// assert_eq!(std::fs::read_dir(folder.path())?.count(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_text(path: impl AsRef<Path>, text: &str) -> Result<(), Error> {
+    write_atomically(path.as_ref(), |writer| writer.write_all(text.as_bytes()))
+}
+
 /// Lets `write` fill the file at `path`, which afterwards holds all of it or is as it was before.
 pub(crate) fn write_atomically(
     path: &Path,

@@ -12,6 +12,7 @@
 //! | pose graphs | g2o | [`read_g2o`] | [`write_g2o`] |
 //! | benchmark pairs | 3DMatch `gt.log`, `gt.info` | [`read_gt_log`], [`read_gt_info`] | [`write_gt_log`] |
 //! | overlaps of pairs | `overlap.csv`, `gt_overlap.log` | [`read_overlaps`] | |
+//! | any text | | | [`write_text`] |
 //! | folders of files | | [`scan_files`], [`descriptor_files`] | |
 //! | scenes of benchmarks | 3DMatch, YOHO and SGHR, ScanNet, ETH: see [`Layout`] | [`scene_folders`], [`read_scene`] | |
 //!
@@ -51,6 +52,7 @@ mod rigid;
 mod rows;
 mod text;
 
+pub use atomic::write_text;
 pub use benchmark::{InfoEntry, LogEntry, read_gt_info, read_gt_log, write_gt_log};
 pub use dataset::{
     Layout, PairList, PairOverlap, Scene, SceneScan, SceneTruth, read_overlaps, read_scene,

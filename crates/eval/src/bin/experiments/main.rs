@@ -25,11 +25,12 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
+use gmpcr_io::write_text;
 
 use arguments::Arguments;
 use experiment::{Experiment, synchronization};
 use progress::Progress;
-use records::{Store, Unit, write_text};
+use records::{Store, Unit};
 use scene::{SceneSource, Sources};
 
 /// Some scene or experiment failed; the results of the others are there.
@@ -92,7 +93,7 @@ fn run(arguments: &Arguments) -> Result<Vec<String>, Box<dyn Error>> {
         text.push_str(&format!("\n{note}\n"));
     }
     println!("{text}");
-    let outcome = write_text(&arguments.out.join("tables.md"), &text);
+    let outcome = write_text(arguments.out.join("tables.md"), &text);
     failures.extend(outcome.err().map(|error| error.to_string()));
     println!(
         "{:.1} s; tables, records and figures are in {}",

@@ -1,11 +1,11 @@
 //! The figures that experiments yield, kept in files so that a stopped run can go on.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::{error, fs};
 
 use gmpcr_eval::Spread;
+use gmpcr_io::write_text;
 
 /// One figure: what was run, in which of several runs, what was measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,89 +61,62 @@ impl Unit<'_> {
     }
 }
 
-/// The records of all units, in memory and as `records/<experiment>/<descriptors>/<scene>.csv`.
-///
-/// The first line of a file tells the settings and the input. Tables are made of the units that were
-/// asked for or added since the store was opened.
+/// The records of the units that were asked for or added since the store was opened, and their files
+/// `records/<experiment>/<descriptors>/<scene>.csv`, whose first line tells the settings and the input.
 pub struct Store {
     folder: PathBuf,
     settings: String,
-    /// What files hold, with their first lines.
-    kept: BTreeMap<Key, (String, Vec<Record>)>,
-    current: BTreeMap<Key, Vec<Record>>,
+    /// Whether the files that are there count for nothing.
+    fresh: bool,
+    units: BTreeMap<Key, Vec<Record>>,
 }
 
 impl Store {
-    /// Opens a folder and reads its records of the same settings.
+    /// Opens a folder, which is made if it is not there.
     pub fn open(out: &Path, settings: &str, fresh: bool) -> Result<Self, Box<dyn error::Error>> {
-        let mut store = Self {
-            folder: out.join("records"),
+        let folder = out.join("records");
+        make_folder(&folder)?;
+        Ok(Self {
+            folder,
             settings: settings.to_owned(),
-            kept: BTreeMap::new(),
-            current: BTreeMap::new(),
-        };
-        fs::create_dir_all(&store.folder)
-            .map_err(|error| format!("cannot create {}: {error}", store.folder.display()))?;
-        if !fresh {
-            for experiment in sorted_entries(&store.folder)? {
-                for descriptors in sorted_entries(&experiment)? {
-                    for file in sorted_entries(&descriptors)? {
-                        store.read(&file)?;
-                    }
-                }
-            }
-        }
-        Ok(store)
+            fresh,
+            units: BTreeMap::new(),
+        })
     }
 
-    /// Reads a file of records; one that is none will be made again.
-    fn read(&mut self, file: &Path) -> Result<(), Box<dyn error::Error>> {
-        if file.extension().is_none_or(|extension| extension != "csv") {
-            return Ok(());
+    /// Whether the records of a unit are there, from the same settings and input.
+    pub fn holds(&mut self, unit: &Unit) -> bool {
+        let kept = (!self.fresh).then(|| self.kept(unit)).flatten();
+        let is_kept = kept.is_some();
+        self.units.extend(kept.map(|records| (unit.key(), records)));
+        is_kept
+    }
+
+    /// The records in a unit's file, if it was made from the same settings and input.
+    fn kept(&self, unit: &Unit) -> Option<Vec<Record>> {
+        let file = self.file(unit);
+        let text = fs::read_to_string(&file).ok()?;
+        let records = parse(&text);
+        if records.is_none() {
+            let file = file.display();
+            eprintln!("{file} is not a file of records: it is made again");
         }
-        let text = fs::read_to_string(file)
-            .map_err(|error| format!("cannot read {}: {error}", file.display()))?;
-        let mut names = file
-            .components()
-            .rev()
-            .filter_map(|c| c.as_os_str().to_str());
-        if let (Some(records), Some(scene), Some(descriptors), Some(experiment)) =
-            (parse(&text), names.next(), names.next(), names.next())
-        {
-            let scene = scene.trim_end_matches(".csv").to_owned();
-            let key = (experiment.to_owned(), descriptors.to_owned(), scene);
-            let first_line = text.lines().next().unwrap_or_default().to_owned();
-            self.kept.insert(key, (first_line, records));
-        } else {
-            eprintln!(
-                "{} is not a file of records: it is made again",
-                file.display()
-            );
-        }
-        Ok(())
+        records.filter(|_| text.lines().next() == Some(&self.first_line(unit)))
+    }
+
+    fn file(&self, unit: &Unit) -> PathBuf {
+        let folder = self.folder.join(unit.experiment).join(unit.descriptors);
+        folder.join(format!("{}.csv", unit.scene))
     }
 
     fn first_line(&self, unit: &Unit) -> String {
         format!("# {}; {}", self.settings, unit.input)
     }
 
-    /// Whether the records of a unit are there, from the same settings and input.
-    pub fn holds(&mut self, unit: &Unit) -> bool {
-        let first_line = self.first_line(unit);
-        match self.kept.get(&unit.key()) {
-            Some((line, records)) if *line == first_line => {
-                self.current.insert(unit.key(), records.clone());
-                true
-            }
-            _ => false,
-        }
-    }
-
     /// Takes the records of a unit and writes them to its file.
     pub fn add(&mut self, unit: &Unit, records: Vec<Record>) -> Result<(), Box<dyn error::Error>> {
-        let folder = self.folder.join(unit.experiment).join(unit.descriptors);
-        fs::create_dir_all(&folder)
-            .map_err(|error| format!("cannot create {}: {error}", folder.display()))?;
+        let file = self.file(unit);
+        file.parent().map_or(Ok(()), make_folder)?;
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(HEADER)?;
         for record in &records {
@@ -152,13 +125,13 @@ impl Store {
         }
         let rows = String::from_utf8(writer.into_inner()?)?;
         let text = format!("{}\n{rows}", self.first_line(unit));
-        self.current.insert(unit.key(), records);
-        write_text(&folder.join(format!("{}.csv", unit.scene)), &text)
+        self.units.insert(unit.key(), records);
+        Ok(write_text(file, &text)?)
     }
 
     /// Descriptors that an experiment has records for.
     pub fn descriptors(&self, experiment: &str) -> Vec<&str> {
-        let of_it = self.current.keys().filter(|key| key.0 == experiment);
+        let of_it = self.units.keys().filter(|key| key.0 == experiment);
         let mut names: Vec<&str> = of_it.map(|key| key.1.as_str()).collect();
         names.dedup();
         names
@@ -167,7 +140,7 @@ impl Store {
     /// The records of one experiment with one kind of descriptors.
     pub fn select(&self, experiment: &str, descriptors: &str) -> Selection<'_> {
         let of_it = |(key, _): &(&Key, _)| key.0 == experiment && key.1 == descriptors;
-        let scenes = self.current.iter().filter(of_it);
+        let scenes = self.units.iter().filter(of_it);
         Selection {
             scenes: scenes
                 .map(|(key, records)| (key.2.as_str(), records.as_slice()))
@@ -194,27 +167,9 @@ fn parse_row(row: &csv::StringRecord) -> Option<Record> {
     Some(Record::new(row.get(0)?, run, row.get(2)?, value))
 }
 
-fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn error::Error>> {
-    if !folder.is_dir() {
-        return Ok(Vec::new());
-    }
-    let list = |error| format!("cannot list {}: {error}", folder.display());
-    let entries: Result<Vec<_>, io::Error> = fs::read_dir(folder).map_err(list)?.collect();
-    let mut paths: Vec<_> = entries
-        .map_err(list)?
-        .iter()
-        .map(fs::DirEntry::path)
-        .collect();
-    paths.sort();
-    Ok(paths)
-}
-
-/// Writes a file that is complete or absent.
-pub fn write_text(path: &Path, text: &str) -> Result<(), Box<dyn error::Error>> {
-    let temporary = path.with_extension("tmp");
-    fs::write(&temporary, text)
-        .and_then(|()| fs::rename(&temporary, path))
-        .map_err(|error| format!("cannot write {}: {error}", path.display()).into())
+fn make_folder(folder: &Path) -> Result<(), String> {
+    fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot create {}: {error}", folder.display()))
 }
 
 /// Records of one experiment, scene by scene.
@@ -225,13 +180,32 @@ pub struct Selection<'a> {
 impl Selection<'_> {
     /// The configurations in the order in which they were recorded first.
     pub fn configurations(&self) -> Vec<String> {
+        self.distinct(|record| Some(&record.configuration))
+    }
+
+    /// What the records name, each name once, in the order in which they were recorded first.
+    pub fn distinct(&self, name: impl Fn(&Record) -> Option<&str>) -> Vec<String> {
+        let records = self.scenes.iter().flat_map(|(_, records)| *records);
         let mut names: Vec<String> = Vec::new();
-        for record in self.scenes.iter().flat_map(|(_, records)| *records) {
-            if !names.contains(&record.configuration) {
-                names.push(record.configuration.clone());
+        for name in records.filter_map(name) {
+            if !names.iter().any(|known| known == name) {
+                names.push(name.to_owned());
             }
         }
         names
+    }
+
+    /// Names of the scenes.
+    pub fn names(&self) -> Vec<String> {
+        let names = self.scenes.iter().map(|(scene, _)| (*scene).to_owned());
+        names.collect()
+    }
+
+    /// The records of one scene alone.
+    pub fn alone(&self) -> impl Iterator<Item = Self> {
+        self.scenes.iter().map(|scene| Self {
+            scenes: vec![*scene],
+        })
     }
 
     /// Figures of all runs on one scene, by run.

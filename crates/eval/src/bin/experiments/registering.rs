@@ -104,11 +104,12 @@ impl Judge<'_> {
                 pairs: wanted.copied().collect(),
                 ..*list
             };
-            self.errors(&wanted, poses, &mut records)?;
+            let errors = PairErrors::of_pairs(&wanted.pairs, poses)?;
+            self.errors(&wanted.name, &errors, &mut records);
             if wanted.has_information {
                 self.recalls(&wanted, poses, &mut records)?;
             } else {
-                self.recalls_by_errors(&wanted, poses, &mut records)?;
+                self.recalls_by_errors(&wanted.name, &errors, &mut records);
             }
         }
         Ok(records)
@@ -119,19 +120,13 @@ impl Judge<'_> {
     }
 
     /// Where a list has no information matrices, pairs within 15° and 0.3 m are registered.
-    fn recalls_by_errors(
-        &self,
-        list: &MatchList,
-        poses: &WorldPoses,
-        records: &mut Vec<Record>,
-    ) -> Result<(), gmpcr_eval::Error> {
-        let (name, total) = (&list.name, list.pairs.len() as f64);
-        if let Some(share) = PairErrors::of_pairs(&list.pairs, poses)?.recall() {
-            records.push(self.record(name.clone(), share));
+    fn recalls_by_errors(&self, name: &str, errors: &PairErrors, records: &mut Vec<Record>) {
+        if let Some(share) = errors.recall() {
+            let total = errors.pairs.len() as f64;
+            records.push(self.record(name.to_owned(), share));
             records.push(self.record(format!("{name} registered"), share * total));
             records.push(self.record(format!("{name} pairs"), total));
         }
-        Ok(())
     }
 
     fn recalls(
@@ -164,14 +159,7 @@ impl Judge<'_> {
         Ok(())
     }
 
-    fn errors(
-        &self,
-        list: &MatchList,
-        poses: &WorldPoses,
-        records: &mut Vec<Record>,
-    ) -> Result<(), gmpcr_eval::Error> {
-        let name = &list.name;
-        let errors = PairErrors::of_pairs(&list.pairs, poses)?;
+    fn errors(&self, name: &str, errors: &PairErrors, records: &mut Vec<Record>) {
         if let Some(share) = errors.recall() {
             records.push(self.record(format!("{name} within 15° and 0.3 m"), share));
             let missing = errors.num_missing() as f64 / errors.pairs.len() as f64;
@@ -192,6 +180,5 @@ impl Judge<'_> {
                 records.push(self.record(format!("{name} under {limit} m"), share));
             }
         }
-        Ok(())
     }
 }

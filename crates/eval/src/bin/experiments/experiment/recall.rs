@@ -41,7 +41,7 @@ pub fn report(records: &Selection, descriptors: &str, text: &mut String) {
 /// together; with its deviation over the runs, and in brackets with the conjugate sign.
 pub fn recall_table(title: String, rows: &[String], list: &str, records: &Selection) -> Table {
     let mut header = vec!["configuration".to_owned()];
-    header.extend(records.scenes.iter().map(|(scene, _)| (*scene).to_owned()));
+    header.extend(records.names());
     header.extend(["scene mean", "all pairs together"].map(str::to_owned));
     let mut table = Table::new(title, header);
     let conjugate = format!("{list} conjugate");
@@ -97,30 +97,14 @@ fn pose_errors(records: &Selection, descriptors: &str, text: &mut String) {
 
 /// The lists of pairs that there are figures for.
 pub fn lists(records: &Selection) -> Vec<String> {
-    let mut lists: Vec<String> = Vec::new();
-    for record in records.scenes.iter().flat_map(|(_, records)| *records) {
-        if let Some(list) = record.metric.strip_suffix(" within 15° and 0.3 m")
-            && !lists.iter().any(|known| known == list)
-        {
-            lists.push(list.to_owned());
-        }
-    }
-    lists
+    records.distinct(|record| record.metric.strip_suffix(" within 15° and 0.3 m"))
 }
 
 /// Pairs whose information matrix is empty cannot be judged and count as not registered.
 fn name_unjudgeable(records: &Selection, text: &mut String) {
-    for (scene, records) in &records.scenes {
-        let mut named: Vec<&str> = Vec::new();
-        for record in records
-            .iter()
-            .filter(|r| r.metric.contains(" unjudgeable pair "))
-        {
-            if !named.contains(&record.metric.as_str()) {
-                named.push(&record.metric);
-            }
-        }
-        for metric in named {
+    for (scene, records) in records.names().iter().zip(records.alone()) {
+        let is_named = |metric: &&str| metric.contains(" unjudgeable pair ");
+        for metric in records.distinct(|record| Some(record.metric.as_str()).filter(is_named)) {
             text.push_str(&format!(
                 "\n{scene}: {metric}: empty information matrix, counted as not registered\n"
             ));

@@ -212,7 +212,7 @@ fn report_responses(
         "Mean AUC of the spectral response against true inliers, {descriptors} descriptors"
     );
     let mut header = vec!["list".to_owned()];
-    header.extend(records.scenes.iter().map(|(scene, _)| (*scene).to_owned()));
+    header.extend(records.names());
     let means = ["scene mean", "mean of all pairs", "paper (8 scenes, YOHO)"];
     header.extend(means.map(str::to_owned));
     let mut table = Table::new(title, header);

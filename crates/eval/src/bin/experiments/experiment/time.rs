@@ -38,13 +38,8 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn 
 
 /// The stages that there are times for, in order.
 fn stages(records: &Selection) -> Vec<String> {
-    let mut stages: Vec<String> = Vec::new();
-    for record in records.scenes.iter().flat_map(|(_, records)| *records) {
-        if record.metric != NUM_SCANS && !stages.contains(&record.metric) {
-            stages.push(record.metric.clone());
-        }
-    }
-    stages
+    let is_stage = |metric: &&str| *metric != NUM_SCANS;
+    records.distinct(|record| Some(record.metric.as_str()).filter(is_stage))
 }
 
 pub fn report(
@@ -80,11 +75,7 @@ pub fn report(
     let mut table = Table::new(title, ["main module", "synchronisation", "total"]);
     table.row([total - synchronization, synchronization, total].map(|time| format!("{time:.3}")));
     table.append_to(text);
-    let names: Vec<String> = records
-        .scenes
-        .iter()
-        .map(|(scene, _)| (*scene).to_owned())
-        .collect();
+    let names = records.names();
     let part = |stage: &String| {
         let times = names
             .iter()

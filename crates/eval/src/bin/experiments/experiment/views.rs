@@ -114,11 +114,8 @@ pub fn report(
             &mut table,
         );
     }
-    for scene in &records.scenes {
-        let alone = Selection {
-            scenes: vec![*scene],
-        };
-        add_rows(scene.0, &alone, &lists, &mut table);
+    for (scene, alone) in records.names().iter().zip(records.alone()) {
+        add_rows(scene, &alone, &lists, &mut table);
     }
     table.append_to(text);
     let drawn = if num_large > 0 { &large } else { records };

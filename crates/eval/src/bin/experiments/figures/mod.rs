@@ -5,10 +5,9 @@
 mod axis;
 mod draw;
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
+use gmpcr_io::write_text;
 use thiserror::Error;
 
 use axis::{Point, is_drawable};
@@ -25,13 +24,8 @@ pub enum FigureError {
         reason: String,
     },
     /// The file could not be written.
-    #[error("cannot write the figure {}: {source}", .path.display())]
-    Write {
-        /// File that was asked for.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Write(#[from] gmpcr_io::Error),
 }
 
 /// Points under one name.
@@ -204,17 +198,7 @@ pub fn write_figure(path: &Path, panels: &[Panel]) -> Result<(), FigureError> {
         path: path.to_owned(),
         reason: error.to_string(),
     })?;
-    let mut temporary = OsString::from(path);
-    temporary.push(".tmp");
-    fs::write(&temporary, svg)
-        .and_then(|()| fs::rename(&temporary, path))
-        .map_err(|source| {
-            let _ = fs::remove_file(&temporary);
-            FigureError::Write {
-                path: path.to_owned(),
-                source,
-            }
-        })
+    Ok(write_text(path, &svg)?)
 }
 
 /// The points of which both coordinates can be drawn.
@@ -236,6 +220,8 @@ fn steps(heights: &[f64], low: f64, high: f64) -> Vec<Point> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn svg(panels: &[Panel]) -> String {
