@@ -103,8 +103,8 @@ impl Experiment {
                 Self::Time => time::report(&records, descriptors, &figure("time"), text)?,
             }
         }
-        for table in reference::tables(self) {
-            table.append_to(text);
+        if let Some(tables) = reference::paper(self) {
+            text.push_str(&format!("\n{tables}"));
         }
         Ok(())
     }

@@ -34,6 +34,9 @@ const STATISTICS: [&str; 5] = [
     "seconds",
 ];
 
+/// Header of the column of times.
+const TIME: &str = "ms";
+
 /// A family of simulated graphs: one table.
 struct Family {
     name: &'static str,
@@ -385,7 +388,7 @@ fn report_family(family: &Family, records: &Selection, text: &mut String) {
     );
     let shares = || family.outliers.iter().map(|percent| format!("{percent} %"));
     let method = || std::iter::once("method".to_owned());
-    let mut rotations = Table::new(title, method().chain(shares()).chain(["ms".to_owned()]));
+    let mut rotations = Table::new(title, method().chain(shares()).chain([TIME.to_owned()]));
     let title = format!(
         "{}: translation error (m), mean / median over scans",
         family.title
@@ -423,14 +426,17 @@ fn report_family(family: &Family, records: &Selection, text: &mut String) {
         );
         translations.row(row([STATISTICS[2], STATISTICS[3]], 3));
     }
-    for (system, figures, time) in reference::synchronization(family.name) {
-        let cell = |percent: &u32| {
-            let found = figures.iter().find(|(share, _)| share == percent);
-            found.map_or("–", |(_, figure)| *figure).to_owned()
+    for system in reference::systems(family.name) {
+        let columns = shares().chain([TIME.to_owned()]);
+        let cell = |column| {
+            system
+                .figures
+                .get(&column)
+                .map_or("–", String::as_str)
+                .to_owned()
         };
-        let cells = family.outliers.iter().map(cell);
-        let row = [format!("*{system}*")].into_iter().chain(cells);
-        rotations.row(row.chain([(*time).to_owned()]));
+        let name = format!("*{}*", system.name);
+        rotations.row(std::iter::once(name).chain(columns.map(cell)));
     }
     rotations.append_to(text);
     translations.append_to(text);
