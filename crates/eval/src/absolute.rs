@@ -1,6 +1,7 @@
 //! Errors of absolute poses.
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use gmpcr_geometry::nearest_rotation;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::error::{Error, check_length};
 use crate::pose_error::{PoseError, pose_error};
@@ -88,7 +89,7 @@ fn mean_rotation(rotations: &[UnitQuaternion<f64>]) -> UnitQuaternion<f64> {
     let matrices = rotations
         .iter()
         .map(|r| r.to_rotation_matrix().into_inner());
-    nearest_rotation(&matrices.sum())
+    UnitQuaternion::from_rotation_matrix(&nearest_rotation(&matrices.sum()))
 }
 
 /// Steps of a median; a few dozen are usual.
@@ -143,18 +144,6 @@ fn weiszfeld_step(offsets: &[Vector3<f64>], least: f64) -> Vector3<f64> {
         total += weight;
     }
     if total > 0.0 { sum / total } else { sum }
-}
-
-/// `U · diag(1, 1, ±1) · Vᵀ`, a rotation; the identity where the decomposition fails.
-fn nearest_rotation(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
-    let svd = matrix.svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-        return UnitQuaternion::identity();
-    };
-    let sign = (u * v_t).determinant().signum();
-    // nalgebra sorts the singular values: the last one is the smallest.
-    let nearest = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t;
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(nearest))
 }
 
 #[cfg(test)]

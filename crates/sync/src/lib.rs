@@ -37,6 +37,7 @@ mod history_aware;
 mod laplacian;
 mod lie_averaging;
 mod method;
+mod pattern;
 mod subgraph;
 mod synchronize;
 mod translations;

@@ -2,6 +2,7 @@ use gmpcr_posegraph::PoseGraph;
 use nalgebra::{DMatrix, Rotation3, Vector3};
 
 use crate::cholesky::SparseCholesky;
+use crate::pattern::GroundedPattern;
 use crate::subgraph::{Measurement, Subgraph, relative};
 
 /// Relative weights are lifted to this where rounding leaves scans that hang on lower ones without a
@@ -74,8 +75,7 @@ pub(crate) fn subgraph_translations(
 pub(crate) struct GroundedLaplacian<'a> {
     graph: &'a Subgraph,
     weights: Vec<f64>,
-    column_starts: Vec<usize>,
-    rows: Vec<usize>,
+    pattern: GroundedPattern,
     cholesky: SparseCholesky,
     is_definite: bool,
 }
@@ -83,27 +83,12 @@ pub(crate) struct GroundedLaplacian<'a> {
 impl<'a> GroundedLaplacian<'a> {
     /// The Laplacian with zero weights.
     pub fn new(graph: &'a Subgraph) -> Self {
-        let mut below = vec![Vec::new(); graph.num_nodes - 1];
-        for m in &graph.measurements {
-            let (low, high) = (m.i.min(m.j), m.i.max(m.j));
-            if low > 0 {
-                below[low - 1].push(high - 1);
-            }
-        }
-        let (mut column_starts, mut rows) = (vec![0], Vec::new());
-        for (column, mut nodes) in below.into_iter().enumerate() {
-            nodes.sort_unstable();
-            nodes.dedup();
-            rows.push(column);
-            rows.extend(nodes);
-            column_starts.push(rows.len());
-        }
+        let pattern = GroundedPattern::new(graph, 1);
         Self {
             graph,
             weights: vec![0.0; graph.measurements.len()],
-            cholesky: SparseCholesky::new(graph.num_nodes - 1, column_starts.clone(), rows.clone()),
-            column_starts,
-            rows,
+            cholesky: pattern.cholesky(),
+            pattern,
             is_definite: false,
         }
     }
@@ -153,23 +138,18 @@ impl<'a> GroundedLaplacian<'a> {
     }
 
     fn factorize(&mut self) {
-        let mut values = vec![0.0; self.rows.len()];
+        let mut values = vec![0.0; self.pattern.num_values()];
         for (m, &weight) in self.graph.measurements.iter().zip(&self.weights) {
             for node in [m.i, m.j] {
                 if node > 0 {
-                    values[self.column_starts[node - 1]] += weight;
+                    values[self.pattern.start(node, node, 0)] += weight;
                 }
             }
             let (low, high) = (m.i.min(m.j), m.i.max(m.j));
             if low > 0 {
-                values[self.position(low - 1, high - 1)] -= weight;
+                values[self.pattern.start(high, low, 0)] -= weight;
             }
         }
         self.is_definite = self.cholesky.factorize(&values).is_ok();
-    }
-
-    fn position(&self, column: usize, row: usize) -> usize {
-        let range = self.column_starts[column]..self.column_starts[column + 1];
-        range.start + self.rows[range].partition_point(|&other| other < row)
     }
 }

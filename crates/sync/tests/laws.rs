@@ -9,7 +9,7 @@ use gmpcr_sync::{History, SyncParams, average_rotations, solve_translations, syn
 use nalgebra::{DMatrix, Isometry3, Rotation3, Vector3};
 use proptest::prelude::*;
 
-use common::{Link, difference, error, measured, scene};
+use common::{Link, difference, error, measured, renumbered, scaled, scene};
 
 const SCHEMES: [fn() -> History; 3] = [History::default, || History::Sghr, || History::Memoryless];
 
@@ -53,11 +53,7 @@ proptest! {
     #[test]
     fn permuting_the_scans_permutes_the_poses((poses, edges) in scene(), seed in any::<u32>()) {
         let graph = measured(&poses, &edges, 0.05);
-        let n = poses.len();
-        let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by_key(|&k| (k as u32).wrapping_mul(seed | 1).rotate_left(7));
-        let renamed = graph.edges().iter().rev().map(|edge| PoseEdge { i: order[edge.i], j: order[edge.j], ..*edge });
-        let renamed = PoseGraph::new(n, renamed.collect()).unwrap();
+        let (order, renamed) = renumbered(&graph, seed);
         let [a, b] = [&graph, &renamed].map(|graph| synchronize(graph, &SyncParams::default()).world_from_scan);
         let new_zero = a[order.iter().position(|&k| k == 0).unwrap()];
         for (k, &renamed) in order.iter().enumerate() {
@@ -68,13 +64,7 @@ proptest! {
     #[test]
     fn the_scale_of_weights_and_lengths_does_not_matter((poses, edges) in scene(), scale in 1e-6..1e6f64) {
         let graph = measured(&poses, &edges, 0.05);
-        let scaled = |edge: &PoseEdge| {
-            let mut edge = PoseEdge { weight: edge.weight * scale, ..*edge };
-            edge.i_from_j.translation.vector *= scale;
-            edge
-        };
-        let edges = graph.edges().iter().map(scaled).collect();
-        let scaled = PoseGraph::new(poses.len(), edges).unwrap();
+        let scaled = scaled(&graph, scale);
         let [a, b] = [&graph, &scaled].map(|graph| synchronize(graph, &SyncParams::default()));
         for (a, b) in a.world_from_scan.iter().zip(&b.world_from_scan) {
             prop_assert!(a.rotation.angle_to(&b.rotation) < 1e-6);

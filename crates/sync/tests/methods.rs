@@ -4,14 +4,14 @@
 
 mod common;
 
-use gmpcr_geometry::{angular_distance, nearest_rotation};
+use gmpcr_eval::{Gauge, PoseError, absolute_errors};
 use gmpcr_posegraph::{PoseEdge, PoseGraph};
 use gmpcr_sim::{PoseGraphSimParams, SimulatedPoseGraph, simulate_pose_graph};
 use gmpcr_sync::{Method, SyncParams, Synchronization, synchronize};
-use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
+use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
 
-use common::{Link, difference, error, measured, scene};
+use common::{Link, difference, error, measured, renumbered, scaled, scene};
 
 fn run(graph: &PoseGraph, method: Method) -> Synchronization {
     let params = SyncParams {
@@ -62,11 +62,7 @@ proptest! {
     #[test]
     fn permuting_the_scans_permutes_the_poses((poses, links) in scene(), seed in any::<u32>()) {
         let graph = measured(&poses, &links, 0.01);
-        let n = poses.len();
-        let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by_key(|&k| (k as u32).wrapping_mul(seed | 1).rotate_left(7));
-        let renamed = graph.edges().iter().rev().map(|edge| PoseEdge { i: order[edge.i], j: order[edge.j], ..*edge });
-        let renamed = PoseGraph::new(n, renamed.collect()).unwrap();
+        let (order, renamed) = renumbered(&graph, seed);
         for method in Method::ALL {
             let [a, b] = [&graph, &renamed].map(|graph| run(graph, method).world_from_scan);
             let new_zero = a[order.iter().position(|&k| k == 0).unwrap()];
@@ -80,13 +76,7 @@ proptest! {
     #[test]
     fn the_scale_of_weights_and_lengths_does_not_matter((poses, links) in scene(), scale in 1e-6..1e6f64) {
         let graph = measured(&poses, &links, 0.02);
-        let scaled = |edge: &PoseEdge| {
-            let mut edge = PoseEdge { weight: edge.weight * scale, ..*edge };
-            edge.i_from_j.translation.vector *= scale;
-            edge
-        };
-        let edges = graph.edges().iter().map(scaled).collect();
-        let scaled = PoseGraph::new(poses.len(), edges).unwrap();
+        let scaled = scaled(&graph, scale);
         for method in Method::ALL {
             let [a, b] = [&graph, &scaled].map(|graph| run(graph, method).world_from_scan);
             for (a, b) in a.iter().zip(&b) {
@@ -272,26 +262,9 @@ fn random_graph(outlier_share: f64, seed: u64) -> (Vec<Isometry3<f64>>, PoseGrap
 
 /// Mean rotation error in degrees after the ℓ₁ alignment of all scans.
 fn mean_rotation_error(result: &Synchronization, poses: &[Isometry3<f64>]) -> f64 {
-    let pairs = result.world_from_scan.iter().zip(poses);
-    let offset = |(found, truth): (&Isometry3<f64>, &Isometry3<f64>)| {
-        (truth.rotation * found.rotation.inverse()).to_rotation_matrix()
-    };
-    let offsets: Vec<Rotation3<f64>> = pairs.map(offset).collect();
-    let weighted_mean = |weight: &dyn Fn(&Rotation3<f64>) -> f64| {
-        let terms = offsets
-            .iter()
-            .map(|offset| offset.matrix() * weight(offset));
-        nearest_rotation(&terms.sum::<Matrix3<f64>>())
-    };
-    let mut alignment = weighted_mean(&|_| 1.0);
-    for _ in 0..30 {
-        let weight = |offset: &Rotation3<f64>| 1.0 / angular_distance(offset, &alignment).max(1e-4);
-        alignment = weighted_mean(&weight);
-    }
-    let angles = offsets
-        .iter()
-        .map(|offset| angular_distance(offset, &alignment));
-    angles.sum::<f64>().to_degrees() / poses.len() as f64
+    let errors = absolute_errors(&result.world_from_scan, poses, Gauge::LeastAbsolute).unwrap();
+    let degrees = errors.iter().map(PoseError::rotation_degrees);
+    degrees.sum::<f64>() / poses.len() as f64
 }
 
 /// The mean over eight graphs.

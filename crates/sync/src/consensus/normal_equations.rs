@@ -3,6 +3,7 @@ use nalgebra::{DMatrix, Matrix6, Vector3, Vector6};
 
 use super::poses::{Motion, Noise, Poses};
 use crate::cholesky::SparseCholesky;
+use crate::pattern::GroundedPattern;
 use crate::subgraph::{Measurement, Subgraph};
 
 /// Unknowns of a node.
@@ -33,28 +34,22 @@ const WEIGHT_FLOOR: f64 = 1e-9;
 /// only, and is analysed once.
 pub(super) struct NormalEquations<'a> {
     graph: &'a Subgraph,
-    /// For each node but the first, its higher neighbours, ascending.
-    above: Vec<Vec<usize>>,
-    /// Where the scalar columns of the lower triangle start.
-    column_starts: Vec<usize>,
+    pattern: GroundedPattern,
     cholesky: SparseCholesky,
 }
 
 impl<'a> NormalEquations<'a> {
     /// `None` where the factor would be too large: each number of a graph Laplacian's becomes 36.
     pub fn new(graph: &'a Subgraph) -> Option<Self> {
-        let above = higher_neighbors(graph);
-        let (starts, rows) = lower_triangle(&above, 1);
-        let laplacian = SparseCholesky::new(above.len(), starts, rows);
-        if SIZE * SIZE * laplacian.factor_len() > MAX_FACTOR_LEN {
+        let nodes = GroundedPattern::new(graph, 1);
+        if SIZE * SIZE * nodes.cholesky().factor_len() > MAX_FACTOR_LEN {
             return None;
         }
-        let (column_starts, rows) = lower_triangle(&above, SIZE);
+        let pattern = GroundedPattern::new(graph, SIZE);
         Some(Self {
             graph,
-            cholesky: SparseCholesky::new(SIZE * above.len(), column_starts.clone(), rows),
-            above,
-            column_starts,
+            cholesky: pattern.cholesky(),
+            pattern,
         })
     }
 
@@ -66,8 +61,8 @@ impl<'a> NormalEquations<'a> {
         poses: &Poses,
     ) -> Option<Vec<Vector6<f64>>> {
         let largest = weights.iter().copied().fold(0.0, f64::max);
-        let mut values = vec![0.0; self.column_starts[SIZE * self.above.len()]];
-        let mut right = DMatrix::zeros(SIZE * self.above.len(), 1);
+        let mut values = vec![0.0; self.pattern.num_values()];
+        let mut right = DMatrix::zeros(SIZE * (self.graph.num_nodes - 1), 1);
         for (m, &weight) in self.graph.measurements.iter().zip(weights) {
             let (error, jacobian) = linearized(m, poses, noise);
             for (node, gradient) in [(m.i, jacobian.tr_mul(&error)), (m.j, -error)] {
@@ -98,51 +93,14 @@ impl<'a> NormalEquations<'a> {
 
     /// Adds a block of the lower triangle, of which the diagonal ones are stored in half.
     fn add(&self, values: &mut [f64], row: usize, column: usize, block: &Matrix6<f64>) {
-        let place = self.above[column - 1].partition_point(|&other| other < row);
         for (k, entries) in block.column_iter().enumerate() {
-            let start = self.column_starts[SIZE * (column - 1) + k];
-            let (skipped, start) = if row == column {
-                (k, start)
-            } else {
-                (0, start + SIZE * (place + 1) - k)
-            };
+            let skipped = if row == column { k } else { 0 };
+            let start = self.pattern.start(row, column, k);
             for (value, entry) in values[start..].iter_mut().zip(entries.iter().skip(skipped)) {
                 *value += entry;
             }
         }
     }
-}
-
-fn higher_neighbors(graph: &Subgraph) -> Vec<Vec<usize>> {
-    let mut above = vec![Vec::new(); graph.num_nodes - 1];
-    for m in &graph.measurements {
-        let (low, high) = (m.i.min(m.j), m.i.max(m.j));
-        if low > 0 {
-            above[low - 1].push(high);
-        }
-    }
-    for nodes in &mut above {
-        nodes.sort_unstable();
-        nodes.dedup();
-    }
-    above
-}
-
-/// Starts of the columns and rows of the entries, with `size` unknowns for each node but the first.
-fn lower_triangle(above: &[Vec<usize>], size: usize) -> (Vec<usize>, Vec<usize>) {
-    let (mut starts, mut rows) = (vec![0], Vec::new());
-    for (block, nodes) in above.iter().enumerate() {
-        for k in 0..size {
-            rows.extend(size * block + k..size * (block + 1));
-            rows.extend(
-                nodes
-                    .iter()
-                    .flat_map(|&node| size * (node - 1)..size * node),
-            );
-            starts.push(rows.len());
-        }
-    }
-    (starts, rows)
 }
 
 /// `e` and `J`.

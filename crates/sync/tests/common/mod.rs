@@ -48,6 +48,32 @@ pub fn measured(poses: &[Isometry3<f64>], links: &[Link], noise: f64) -> PoseGra
     PoseGraph::new(poses.len(), edges).unwrap()
 }
 
+/// The graph with other numbers for its scans and its edges backwards; scan `k` is now `order[k]`.
+pub fn renumbered(graph: &PoseGraph, seed: u32) -> (Vec<usize>, PoseGraph) {
+    let mut order: Vec<usize> = (0..graph.num_scans()).collect();
+    order.sort_by_key(|&k| (k as u32).wrapping_mul(seed | 1).rotate_left(7));
+    let edges = graph.edges().iter().rev().map(|edge| PoseEdge {
+        i: order[edge.i],
+        j: order[edge.j],
+        ..*edge
+    });
+    let renumbered = PoseGraph::new(graph.num_scans(), edges.collect()).unwrap();
+    (order, renumbered)
+}
+
+/// The graph with weights and lengths in another unit.
+pub fn scaled(graph: &PoseGraph, scale: f64) -> PoseGraph {
+    let edges = graph.edges().iter().map(|edge| {
+        let mut edge = PoseEdge {
+            weight: edge.weight * scale,
+            ..*edge
+        };
+        edge.i_from_j.translation.vector *= scale;
+        edge
+    });
+    PoseGraph::new(graph.num_scans(), edges.collect()).unwrap()
+}
+
 /// Distance of two motions as matrices.
 pub fn difference(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
     (a.to_matrix() - b.to_matrix()).norm()
