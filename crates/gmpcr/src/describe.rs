@@ -1,5 +1,5 @@
 use gmpcr_correspondence::{Descriptors, Scan};
-use gmpcr_features::{Described, FPFH_DIMENSION, FeatureParams, describe};
+use gmpcr_features::{self as features, Described, FPFH_DIMENSION, FeatureParams, describe};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -35,12 +35,23 @@ pub fn describe_clouds(
         .par_iter()
         .enumerate()
         .map(|(cloud, points)| {
-            let described = describe(points, params);
-            described
-                .map(into_scan)
-                .map_err(|source| Error::Features { cloud, source })
+            describe_cloud(points, params).map_err(|source| Error::Features { cloud, source })
         })
         .collect()
+}
+
+/// Turns one raw cloud into a described scan: voxel grid, normals and FPFH, on the calling thread.
+///
+/// For clouds whose sensors stood in different places of their frames, or that do not all fit into
+/// memory; else [`describe_clouds`].
+///
+/// # Errors
+/// Those of [`features::describe`].
+pub fn describe_cloud(
+    points: &[Point3<f64>],
+    params: &FeatureParams,
+) -> Result<Scan, features::Error> {
+    describe(points, params).map(into_scan)
 }
 
 fn into_scan(described: Described) -> Scan {

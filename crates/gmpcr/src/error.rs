@@ -1,5 +1,7 @@
 use gmpcr_correspondence::{DescriptorsError, DimensionsDiffer, ScanError};
 
+use crate::Stage;
+
 /// Why scans could not be registered at all.
 ///
 /// Data that merely does not register (no overlap, too few points) is no error: see
@@ -39,6 +41,12 @@ pub enum Error {
         value: f64,
         /// The admissible values.
         allowed: &'static str,
+    },
+    /// The [`Observer`](crate::Observer) ended the registration.
+    #[error("cancelled during {stage}")]
+    Cancelled {
+        /// The stage that was under way.
+        stage: Stage,
     },
     /// Features of a cloud could not be computed.
     #[cfg(feature = "features")]

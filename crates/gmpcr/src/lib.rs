@@ -41,6 +41,8 @@
 //! per scan the component whose frame its pose is in. Scans that overlap with no other stay in
 //! components of their own instead of being forced into place.
 //!
+//! A program with a progress bar, or one that can be told to stop, calls [`register_observed`].
+//!
 //! Scans and pairs are processed in parallel on the current [rayon] pool; the same input gives the
 //! same bits with any number of threads.
 //!
@@ -50,18 +52,20 @@
 #[cfg(feature = "features")]
 mod describe;
 mod error;
+mod observer;
 mod pair;
 mod params;
 mod register;
 mod registration;
 
 #[cfg(feature = "features")]
-pub use describe::describe_clouds;
+pub use describe::{describe_cloud, describe_clouds};
 pub use error::Error;
 pub use gmpcr_correspondence::{Descriptors, Scan};
+pub use observer::{Observer, Stage};
 pub use pair::{PairRegistration, register_pair};
 pub use params::Params;
-pub use register::register;
+pub use register::{register, register_observed};
 pub use registration::{EdgeEvidence, Registration, StageTimes, UnresolvedPair};
 
 pub use gmpcr_cliques as cliques;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::pair::{PairRegistration, raw_confidence, register_keypoints};
 use crate::registration::{EdgeEvidence, Registration, StageTimes, UnresolvedPair};
-use crate::{Error, Params};
+use crate::{Error, Observer, Params, Stage};
 
 /// Registers scans: one pose per scan, consistent over all of them, with the evidence.
 ///
@@ -24,22 +24,37 @@ use crate::{Error, Params};
 /// [`Error`] if there is no scan, a parameter is out of range, or the descriptors differ in
 /// dimension (a scan without points has none).
 pub fn register(scans: &[Scan], params: &Params) -> Result<Registration, Error> {
+    register_observed(scans, params, &())
+}
+
+/// As [`register`], with an observer that is told of the progress and may end the work.
+///
+/// # Errors
+/// Those of [`register`], and [`Error::Cancelled`] if the observer says so.
+pub fn register_observed(
+    scans: &[Scan],
+    params: &Params,
+    observer: &dyn Observer,
+) -> Result<Registration, Error> {
     params.validate()?;
     check_dimensions(scans)?;
     let mut times = StageTimes::default();
 
-    let keypoints = timed(&mut times.sampling, || sample_all(scans, params));
-    let confidences = timed(&mut times.scoring, || score_all_pairs(&keypoints, params))?;
+    let keypoints = timed(&mut times.sampling, || sample_all(scans, params, observer))?;
+    let confidences = timed(&mut times.scoring, || {
+        score_all_pairs(&keypoints, params, observer)
+    })?;
     let selected = timed(&mut times.selection, || {
-        confidences.top_k_union(params.posegraph.neighbors)
-    });
+        Items::of(Stage::Selection, 1, observer)
+            .one(|| Ok(confidences.top_k_union(params.posegraph.neighbors)))
+    })?;
     let pairs = timed(&mut times.pose_estimation, || {
-        register_selected(&keypoints, &confidences, &selected, params)
+        register_selected(&keypoints, &confidences, &selected, params, observer)
     })?;
     let (graph, evidence, unresolved) = build_graph(&confidences, &selected, pairs);
     let synchronization = timed(&mut times.synchronization, || {
-        synchronize(&graph, &params.sync)
-    });
+        Items::of(Stage::Synchronization, 1, observer).one(|| Ok(synchronize(&graph, &params.sync)))
+    })?;
 
     Ok(assemble(
         graph,
@@ -81,13 +96,45 @@ fn check_dimensions(scans: &[Scan]) -> Result<(), Error> {
     }
 }
 
-fn sample_all(scans: &[Scan], params: &Params) -> Vec<Keypoints> {
+/// The observed items of a stage.
+struct Items<'a> {
+    stage: Stage,
+    observer: &'a dyn Observer,
+}
+
+impl<'a> Items<'a> {
+    fn of(stage: Stage, num_items: usize, observer: &'a dyn Observer) -> Self {
+        observer.begin(stage, num_items);
+        Self { stage, observer }
+    }
+
+    /// Does one item, unless the observer has had enough.
+    fn one<T>(&self, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+        if self.observer.is_cancelled() {
+            return Err(Error::Cancelled { stage: self.stage });
+        }
+        let result = work();
+        self.observer.item_done();
+        result
+    }
+}
+
+fn sample_all(
+    scans: &[Scan],
+    params: &Params,
+    observer: &dyn Observer,
+) -> Result<Vec<Keypoints>, Error> {
     let num_samples = params.correspondence.num_samples;
-    let sample = |scan| Keypoints::sample(scan, num_samples);
+    let items = Items::of(Stage::Sampling, scans.len(), observer);
+    let sample = |scan| items.one(|| Ok(Keypoints::sample(scan, num_samples)));
     scans.par_iter().map(sample).collect()
 }
 
-fn score_all_pairs(keypoints: &[Keypoints], params: &Params) -> Result<PairConfidences, Error> {
+fn score_all_pairs(
+    keypoints: &[Keypoints],
+    params: &Params,
+    observer: &dyn Observer,
+) -> Result<PairConfidences, Error> {
     let num_scans = keypoints.len();
     let pairs = (0..num_scans).flat_map(|i| (i + 1..num_scans).map(move |j| (i, j)));
     let score = |(i, j): (usize, usize)| {
@@ -100,7 +147,9 @@ fn score_all_pairs(keypoints: &[Keypoints], params: &Params) -> Result<PairConfi
         })
     };
     let pairs: Vec<_> = pairs.collect();
-    let scored: Result<_, Error> = pairs.into_par_iter().map(score).collect();
+    let items = Items::of(Stage::Scoring, pairs.len(), observer);
+    let scored = pairs.into_par_iter().map(|pair| items.one(|| score(pair)));
+    let scored: Result<_, Error> = scored.collect();
     Ok(PairConfidences::new(num_scans, scored?).expect("all pairs, in order, are scored"))
 }
 
@@ -111,13 +160,16 @@ fn register_selected(
     confidences: &PairConfidences,
     selected: &[usize],
     params: &Params,
+    observer: &dyn Observer,
 ) -> Result<Vec<PairRegistration>, Error> {
+    let items = Items::of(Stage::PoseEstimation, selected.len(), observer);
     let estimate = |&position: &usize| {
         let ScoredPair { i, j, .. } = confidences.pairs()[position];
         register_keypoints(&keypoints[i], &keypoints[j], params)
             .map_err(|differ| Error::of_pair(i, j, differ))
     };
-    selected.par_iter().map(estimate).collect()
+    let selected = selected.par_iter();
+    selected.map(|pair| items.one(|| estimate(pair))).collect()
 }
 
 /// The pose graph of the pairs that have a motion, with initial weights `w⁰ = s_ij · IR`.

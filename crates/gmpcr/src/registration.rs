@@ -4,6 +4,8 @@ use gmpcr_posegraph::{Components, Connectivity, PairConfidences, PoseGraph};
 use gmpcr_sync::ComponentReport;
 use nalgebra::Isometry3;
 
+use crate::Stage;
+
 /// Poses of all scans and the evidence for them.
 #[derive(Clone, Debug)]
 pub struct Registration {
@@ -130,14 +132,19 @@ impl StageTimes {
         self.stages().iter().map(|(_, time)| *time).sum()
     }
 
-    /// Name and time of each stage, in order.
-    pub fn stages(&self) -> [(&'static str, Duration); 5] {
-        [
-            ("sampling", self.sampling),
-            ("pair scoring", self.scoring),
-            ("pair selection", self.selection),
-            ("pose estimation", self.pose_estimation),
-            ("synchronisation", self.synchronization),
-        ]
+    /// The time of a stage.
+    pub fn of(&self, stage: Stage) -> Duration {
+        match stage {
+            Stage::Sampling => self.sampling,
+            Stage::Scoring => self.scoring,
+            Stage::Selection => self.selection,
+            Stage::PoseEstimation => self.pose_estimation,
+            Stage::Synchronization => self.synchronization,
+        }
+    }
+
+    /// The time of each stage, in order.
+    pub fn stages(&self) -> [(Stage, Duration); 5] {
+        Stage::ALL.map(|stage| (stage, self.of(stage)))
     }
 }

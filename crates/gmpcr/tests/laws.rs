@@ -3,7 +3,12 @@
 #![allow(clippy::unwrap_used)]
 
 use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
-use gmpcr::{Descriptors, Error, Params, Registration, Scan, register, register_pair};
+use std::sync::Mutex;
+
+use gmpcr::{
+    Descriptors, Error, Observer, Params, Registration, Scan, Stage, register, register_observed,
+    register_pair,
+};
 
 /// A fixed number in (−1, 1) that looks random.
 fn scattered(k: usize) -> f64 {
@@ -387,4 +392,71 @@ fn the_frame_can_be_that_of_any_scan() {
     let moved = registration.in_frame_of(4);
     assert_eq!(moved.world_from_scan[4], Isometry3::identity());
     assert!(difference(&moved.world_from_scan[7], &expected) < 1e-12);
+}
+
+/// Writes down the stages with their announced and finished items, and gives up after a number of
+/// items.
+#[derive(Default)]
+struct Witness {
+    stages: Mutex<Vec<(Stage, usize, usize)>>,
+    patience: Option<usize>,
+}
+
+impl Observer for Witness {
+    fn begin(&self, stage: Stage, num_items: usize) {
+        self.stages.lock().unwrap().push((stage, num_items, 0));
+    }
+
+    fn item_done(&self) {
+        self.stages.lock().unwrap().last_mut().unwrap().2 += 1;
+    }
+
+    fn is_cancelled(&self) -> bool {
+        let done: usize = self
+            .stages
+            .lock()
+            .unwrap()
+            .iter()
+            .map(|stage| stage.2)
+            .sum();
+        self.patience.is_some_and(|patience| done >= patience)
+    }
+}
+
+#[test]
+fn an_observer_sees_every_item_and_changes_nothing() {
+    let (scans, params) = (VIEWS.scans(), Params::default());
+    let witness = Witness::default();
+    let observed = register_observed(&scans, &params, &witness).unwrap();
+    let unseen = register(&scans, &params).unwrap();
+    assert_eq!(observed.world_from_scan, unseen.world_from_scan);
+
+    let stages = witness.stages.into_inner().unwrap();
+    let num_selected = unseen.evidence.len() + unseen.unresolved.len();
+    let items = [9, 36, 1, num_selected, 1];
+    let expected = Stage::ALL
+        .iter()
+        .zip(items)
+        .map(|(&stage, n)| (stage, n, n));
+    assert_eq!(stages, expected.collect::<Vec<_>>());
+}
+
+#[test]
+fn a_cancelled_registration_names_the_stage() {
+    let scans = VIEWS.scans();
+    for (patience, expected) in [
+        (0, Stage::Sampling),
+        (9, Stage::Scoring),
+        (45, Stage::Selection),
+    ] {
+        let witness = Witness {
+            patience: Some(patience),
+            ..Witness::default()
+        };
+        let outcome = register_observed(&scans, &Params::default(), &witness);
+        match outcome {
+            Err(Error::Cancelled { stage }) => assert_eq!(stage, expected),
+            other => panic!("{other:?}"),
+        }
+    }
 }

@@ -29,9 +29,9 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn 
     for run in 0..arguments.runs as usize {
         let found = register(&scene.scans, scene.main_params())?;
         let stages = found.times.stages().into_iter();
-        records.extend(
-            stages.map(|(stage, time)| Record::new(CONFIGURATION, run, stage, time.as_secs_f64())),
-        );
+        records.extend(stages.map(|(stage, time)| {
+            Record::new(CONFIGURATION, run, stage.name(), time.as_secs_f64())
+        }));
     }
     Ok(records)
 }
