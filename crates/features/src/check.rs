@@ -3,7 +3,7 @@
 use crate::Error;
 use nalgebra::{Point3, Vector3};
 
-const LARGEST: f64 = 1e100;
+pub(crate) const LARGEST: f64 = 1e100;
 pub(crate) const SMALLEST: f64 = 1e-100;
 
 pub(crate) fn points(points: &[Point3<f64>]) -> Result<(), Error> {

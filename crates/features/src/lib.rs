@@ -11,7 +11,13 @@
 //! | describe how the normals around a point turn | [`fpfh`] | fast point feature histograms, 33 numbers |
 //!
 //! [`describe`] does all three with one neighbour search. Lengths, radii and voxel sizes are in
-//! the unit of the input; the defaults of [`FeatureParams`] are for rooms measured in metres.
+//! the unit of the input; the defaults of [`FeatureParams`] are for rooms measured in metres. For
+//! other data the cloud itself suggests them:
+//!
+//! | length | function | result |
+//! |---|---|---|
+//! | working voxel, from which [`FeatureParams::from_voxel_size`] derives all radii | [`estimate_voxel_size`] | the size at which about 4000 voxels hold points |
+//! | spacing of the points | [`estimate_resolution`] | the median distance to the nearest other point |
 //!
 //! The conventions are those of Open3D, so that on the same points normals and descriptors agree
 //! with it up to rounding; where a cloud leaves the result open, the documentation of the
@@ -38,6 +44,7 @@
 mod check;
 mod describe;
 mod error;
+mod estimate;
 mod fpfh;
 mod neighbors;
 mod normals;
@@ -47,6 +54,7 @@ mod voxel;
 
 pub use describe::{Described, describe};
 pub use error::Error;
+pub use estimate::{estimate_resolution, estimate_voxel_size};
 pub use fpfh::{FPFH_DIMENSION, Fpfh, fpfh};
 pub use normals::estimate_normals;
 pub use params::{FeatureParams, FpfhParams, NormalParams};
