@@ -8,7 +8,7 @@ use std::path::Path;
 use gmpcr::nalgebra::{Isometry3, Matrix6, Point3, Vector6};
 use gmpcr::{EdgeEvidence, Params, Registration};
 use gmpcr_io::{
-    G2o, G2oEdge, G2oVertex, distinct_color, write_g2o, write_merged_ply, write_poses_tum,
+    Coordinates, G2o, G2oEdge, G2oVertex, distinct_color, write_g2o, write_merged_ply, write_poses_tum,
 };
 
 /// Writes all result files; returns how many scans `merged.ply`, `poses.tum` and `posegraph.g2o` hold.
@@ -35,7 +35,11 @@ pub fn write_results(
             distinct_color(scan),
         )
     };
-    write_merged_ply(folder.join("merged.ply"), scans.iter().map(moved))?;
+    write_merged_ply(
+        folder.join("merged.ply"),
+        Coordinates::Single,
+        scans.iter().map(moved),
+    )?;
     let stamped = |&scan: &usize| (scan as f64, registration.world_from_scan[scan]);
     let stamped: Vec<_> = scans.iter().map(stamped).collect();
     write_poses_tum(folder.join("poses.tum"), &stamped)?;

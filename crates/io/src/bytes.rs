@@ -7,9 +7,9 @@ use std::path::Path;
 use crate::Error;
 
 /// A file that is being read, and its length in bytes.
-pub(crate) struct Source<'a> {
+pub(crate) struct Source<'a, R = BufReader<File>> {
     pub(crate) path: &'a Path,
-    pub(crate) reader: BufReader<File>,
+    pub(crate) reader: R,
     length: u64,
 }
 
@@ -32,7 +32,21 @@ impl<'a> Source<'a> {
             length,
         })
     }
+}
 
+#[cfg(feature = "npz")]
+impl<'a> Source<'a, std::io::Cursor<&'a [u8]>> {
+    /// A file that stands within the one at `path`.
+    pub(crate) fn of_bytes(path: &'a Path, bytes: &'a [u8]) -> Self {
+        Self {
+            path,
+            reader: std::io::Cursor::new(bytes),
+            length: bytes.len() as u64,
+        }
+    }
+}
+
+impl<'a, R: BufRead + Seek> Source<'a, R> {
     /// The lines up to the one that `is_last` accepts, after which the reader stands then; what is
     /// no text in them is replaced.
     ///
@@ -71,6 +85,27 @@ impl<'a> Source<'a> {
                 format!("the header announces {what}, but only {left} bytes follow"),
             )),
         }
+    }
+
+    /// Goes on at a place of the file, which may lie behind its end.
+    #[cfg(feature = "las")]
+    pub(crate) fn seek(&mut self, place: u64) -> Result<(), Error> {
+        let sought = self.reader.seek(std::io::SeekFrom::Start(place));
+        sought.map(drop).map_err(Error::io("read", self.path))
+    }
+
+    /// A number of eight bytes, the lowest first.
+    #[cfg(feature = "las")]
+    pub(crate) fn number(&mut self) -> Result<u64, Error> {
+        let mut bytes = [0; 8];
+        let read = self.reader.read_exact(&mut bytes);
+        read.map_err(Error::io("read", self.path))?;
+        Ok(u64::from_le_bytes(bytes))
+    }
+
+    #[cfg(feature = "laz")]
+    pub(crate) fn length(&self) -> u64 {
+        self.length
     }
 
     pub(crate) fn bytes_left(&mut self) -> Result<u64, Error> {

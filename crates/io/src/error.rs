@@ -42,8 +42,22 @@ pub enum Error {
     UnknownExtension {
         /// The file.
         path: PathBuf,
-        /// The extensions that are known, in lower case and without the dot.
-        known: &'static [&'static str],
+        /// The extensions that this build reads, in lower case and without the dot.
+        known: Vec<&'static str>,
+    },
+
+    /// The format is known, but this build does not read it.
+    #[error(
+        "{} is a {format} file, but this build reads no {format}: rebuild with the feature `{feature}`",
+        path.display()
+    )]
+    FeatureOff {
+        /// The file.
+        path: PathBuf,
+        /// The name of the format.
+        format: &'static str,
+        /// The feature of this crate that reads it.
+        feature: &'static str,
     },
 
     /// A folder holds no file of the wanted kind.

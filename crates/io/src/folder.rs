@@ -5,17 +5,22 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::points::{EXTENSIONS, extension};
+use crate::points::Format;
 
 pub(crate) const KEYPOINTS: &str = ".kpts.npy";
 pub(crate) const DESCRIPTORS: &str = ".desc.npy";
 
-/// The point clouds (`.ply`, `.pcd`) of a folder in natural order: `scan_2` before `scan_10`.
+/// The point clouds of a folder in natural order: `scan_2` before `scan_10`.
+///
+/// These are the files that [`read_points`](crate::read_points) of this build reads. Tables, poses
+/// and descriptors share some of the extensions: files `.txt`, `.csv`, `.npy` and `.npz` are listed
+/// only where there is no point cloud of another kind, and `.kpts.npy` and `.desc.npy` never.
 ///
 /// Hidden files, whose names start with a dot, and subfolders are left out.
 ///
 /// # Errors
-/// [`Error::Io`] if the folder cannot be listed, [`Error::NothingFound`] if it has no point cloud.
+/// [`Error::Io`] if the folder cannot be listed, [`Error::NothingFound`] if it has no point cloud,
+/// [`Error::FeatureOff`] if it has only some of a format that this build does not read.
 ///
 /// # Example
 /// ```
@@ -31,18 +36,36 @@ pub(crate) const DESCRIPTORS: &str = ".desc.npy";
 /// ```
 pub fn scan_files(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
     let folder = folder.as_ref();
-    let scans: Vec<PathBuf> = file_names(folder)?
-        .iter()
-        .map(|name| folder.join(name))
-        .filter(|path| extension(path).is_some_and(|found| EXTENSIONS.contains(&&*found)))
-        .collect();
-    if scans.is_empty() {
-        return Err(Error::NothingFound {
-            folder: folder.to_owned(),
-            wanted: "point cloud (.ply, .pcd)",
-        });
+    let mut own = Vec::new();
+    let mut common = Vec::new();
+    let mut feature_off = None;
+    for name in file_names(folder)? {
+        let path = folder.join(&name);
+        match Format::of(&path) {
+            None => {}
+            Some(format) if format.is_common => {
+                let is_described = name.ends_with(KEYPOINTS) || name.ends_with(DESCRIPTORS);
+                if format.is_readable() && !is_described {
+                    common.push(path);
+                }
+            }
+            Some(format) => match format.missing_feature() {
+                None => own.push(path),
+                Some(feature) => {
+                    feature_off.get_or_insert_with(|| format.feature_off(&path, feature));
+                }
+            },
+        }
     }
-    Ok(scans)
+    match (feature_off, own.is_empty(), common.is_empty()) {
+        (_, false, _) => Ok(own),
+        (Some(error), true, _) => Err(error),
+        (None, true, false) => Ok(common),
+        (None, true, true) => Err(Error::NothingFound {
+            folder: folder.to_owned(),
+            wanted: "point cloud (.ply, .pcd, .xyz, ...)",
+        }),
+    }
 }
 
 /// Keypoints of a scan and their descriptors: two files whose rows correspond.
@@ -244,12 +267,49 @@ mod tests {
         );
     }
 
+    fn scans_of(names: &[&str]) -> Result<Vec<String>, Error> {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        let name = |path: PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
+        Ok(scan_files(folder.path())?.into_iter().map(name).collect())
+    }
+
+    #[test]
+    fn files_that_may_be_tables_are_scans_only_where_no_others_are() {
+        let tables = ["1.csv", "2.txt", "10.npy"];
+        assert_eq!(scans_of(&tables).unwrap(), tables);
+        let others = ["1.csv", "2.txt", "3.xyz", "4.pts", "5.asc", "10.npy"];
+        assert_eq!(scans_of(&others).unwrap(), ["3.xyz", "4.pts", "5.asc"]);
+        let described = ["0.desc.npy", "0.kpts.npy", "0.npy"];
+        assert_eq!(scans_of(&described).unwrap(), ["0.npy"]);
+        assert!(scans_of(&described[..2]).is_err());
+    }
+
+    #[test]
+    fn clouds_are_listed_or_their_feature_is_named() {
+        for name in ["1.las", "1.laz", "1.e57"] {
+            let scans = scans_of(&[name, "poses.txt"]);
+            if Format::of(Path::new(name)).unwrap().is_readable() {
+                assert_eq!(scans.unwrap(), [name]);
+            } else {
+                assert!(matches!(scans, Err(Error::FeatureOff { .. })), "{scans:?}");
+            }
+            assert!(
+                scans_of(&[name, "2.ply"])
+                    .unwrap()
+                    .ends_with(&["2.ply".to_owned()])
+            );
+        }
+    }
+
     #[test]
     fn missing_and_empty_folders_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let empty = scan_files(folder.path()).unwrap_err().to_string();
         assert!(
-            empty.contains("holds no point cloud (.ply, .pcd)"),
+            empty.contains("holds no point cloud (.ply, .pcd, .xyz, ...)"),
             "{empty}"
         );
         assert!(matches!(

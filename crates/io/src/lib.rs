@@ -5,11 +5,13 @@
 //!
 //! | what | format | read | write |
 //! |---|---|---|---|
-//! | point clouds | PLY, PCD | [`read_points`], [`read_ply`], [`read_pcd`] | [`write_merged_ply`] |
+//! | point clouds | PLY, PCD, text (XYZ, CSV, PTS), NumPy `.npy` | [`read_points`], [`read_ply`], [`read_pcd`], [`read_xyz`] | [`write_merged_ply`] |
+//! | | LAS, LAZ, E57, NumPy `.npz`, each with its [feature](#features) | [`read_points`], `read_las`, `read_e57` | |
 //! | keypoints, descriptors | NumPy `.npy` | [`read_keypoints`], [`read_descriptors`], [`read_npy_matrix`] | |
-//! | absolute poses | TUM, rows of 3×4 matrices | [`read_poses_tum`], [`read_poses_3x4`] | [`write_poses_tum`], [`write_poses_3x4`] |
+//! | absolute poses | TUM; rows of 3×4 matrices, as of KITTI | [`read_poses`], [`read_poses_tum`], [`read_poses_3x4`] | [`write_poses_tum`], [`write_poses_3x4`] |
 //! | a single pose | 4×4 or 3×4 matrix, as of ScanNet | [`read_pose_matrix`] | |
 //! | pose graphs | g2o | [`read_g2o`] | [`write_g2o`] |
+//! | | JSON of Open3D | [`read_open3d_pose_graph`] | [`write_open3d_pose_graph`] |
 //! | benchmark pairs | 3DMatch `gt.log`, `gt.info` | [`read_gt_log`], [`read_gt_info`] | [`write_gt_log`] |
 //! | overlaps of pairs | `overlap.csv`, `gt_overlap.log` | [`read_overlaps`] | |
 //! | any text | | | [`write_text`] |
@@ -22,11 +24,26 @@
 //!   into the frame of scan `i`.
 //! * Lengths are in the unit of the file.
 //! * Quaternions are written vector first, scalar last: `qx qy qz qw`.
+//! * Information matrices are in the order of their format: g2o has translation first, Open3D has
+//!   rotation first.
+//! * Clouds are `f64` whatever their file has, so georeferenced ones keep their millimetres.
+//!
+//! # Features
+//! None is on by default, since each needs further crates; `all-formats` turns on all.
+//!
+//! | feature | reads |
+//! |---|---|
+//! | `las` | LAS |
+//! | `laz` | LAZ, and LAS |
+//! | `e57` | E57 |
+//! | `npz` | NumPy `.npz` |
 //!
 //! # What to rely on
 //! * A file that is foreign, or cut off or false about its size where the format tells a size, gives
 //!   an [`Error`] that names the file, the line where there is one, and the reason. No file causes a
-//!   panic, and memory is reserved only for what the file can hold.
+//!   panic, and memory is reserved only for what the file can hold. (Damaged LAZ may make the
+//!   decompressor panic, which is caught: the program's panic hook prints a line, the reader returns
+//!   the error.)
 //! * An empty file is no point cloud, no matrix and no pose graph, hence an [`Error`]. Files of poses
 //!   and of benchmark pairs are lists without a header: an empty one is read as no entries.
 //! * Text cannot tell all cuts: one between two entries of a list, or within the last number of the
@@ -39,18 +56,28 @@ mod atomic;
 mod benchmark;
 mod bytes;
 mod dataset;
+#[cfg(feature = "e57")]
+mod e57;
 mod error;
 mod folder;
 mod g2o;
+#[cfg(feature = "las")]
+mod las;
+#[cfg(feature = "laz")]
+mod laz;
 mod merged;
 mod npy;
+#[cfg(feature = "npz")]
+mod npz;
 mod pcd;
 mod ply;
 mod points;
+mod posegraph_json;
 mod poses;
 mod rigid;
 mod rows;
 mod text;
+mod xyz;
 
 pub use atomic::write_text;
 pub use benchmark::{InfoEntry, LogEntry, read_gt_info, read_gt_log, write_gt_log};
@@ -58,17 +85,25 @@ pub use dataset::{
     Layout, PairList, PairOverlap, Scene, SceneScan, SceneTruth, read_overlaps, read_scene,
     scene_folders,
 };
+#[cfg(feature = "e57")]
+pub use e57::{E57Scan, read_e57};
 pub use error::Error;
 pub use folder::{DescriptorFiles, descriptor_files, scan_files};
 pub use g2o::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
-pub use merged::{distinct_color, write_merged_ply};
+#[cfg(feature = "las")]
+pub use las::read_las;
+pub use merged::{Coordinates, distinct_color, write_merged_ply};
 pub use npy::{Descriptors, NpyMatrix, read_descriptors, read_keypoints, read_npy_matrix};
 pub use pcd::read_pcd;
 pub use ply::read_ply;
 pub use points::{PointFile, read_points};
-pub use poses::{
-    read_pose_matrix, read_poses_3x4, read_poses_tum, write_poses_3x4, write_poses_tum,
+pub use posegraph_json::{
+    Open3dEdge, Open3dPoseGraph, read_open3d_pose_graph, write_open3d_pose_graph,
 };
+pub use poses::{
+    read_pose_matrix, read_poses, read_poses_3x4, read_poses_tum, write_poses_3x4, write_poses_tum,
+};
+pub use xyz::read_xyz;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,7 +1,6 @@
 //! Registered scans in one coloured cloud, to look at.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use nalgebra::Point3;
@@ -9,19 +8,30 @@ use nalgebra::Point3;
 use crate::Error;
 use crate::atomic::write_atomically;
 
+/// How coordinates are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinates {
+    /// As `float`, rounded to 24 bits: 12 bytes a point. Half a metre is lost at 8 million metres
+    /// from the origin, such as a northing in UTM.
+    Single,
+    /// As `double`, as they are: 24 bytes a point. For clouds far from the origin; viewers may round
+    /// them nevertheless.
+    Double,
+}
+
 /// Writes clouds into one PLY file, each in its colour.
 ///
 /// `clouds` yields the points of a cloud, already in the common frame, with red, green and blue.
 /// Points are written as they come and never gathered, so the motion into the world can be applied
-/// on the way. The file is binary little-endian with `float x y z` and `uchar red green blue`:
-/// coordinates are rounded to 24 bits, which shows only far from the origin.
+/// on the way. The file is binary little-endian with `x y z` as `coordinates` says and
+/// `uchar red green blue`.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be written; then it is as it was before.
 ///
 /// # Example
 /// ```
-/// use gmpcr_io::{distinct_color, read_ply, write_merged_ply};
+/// use gmpcr_io::{Coordinates, distinct_color, read_ply, write_merged_ply};
 /// use nalgebra::{Isometry3, Point3};
 ///
 /// let scan = vec![Point3::new(0.0, 0.0, 1.0), Point3::new(0.5, 0.0, 1.0)];
@@ -31,6 +41,7 @@ use crate::atomic::write_atomically;
 /// let path = folder.path().join("merged.ply");
 /// write_merged_ply(
 ///     &path,
+///     Coordinates::Single,
 ///     world_from_scan.iter().enumerate().map(|(k, pose)| {
 ///         (scan.iter().map(move |point| pose * point), distinct_color(k))
 ///     }),
@@ -41,38 +52,50 @@ use crate::atomic::write_atomically;
 /// assert_eq!(merged[3], Point3::new(2.5, 0.0, 1.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_merged_ply<Clouds, Points>(path: impl AsRef<Path>, clouds: Clouds) -> Result<(), Error>
+pub fn write_merged_ply<Clouds, Points>(
+    path: impl AsRef<Path>,
+    coordinates: Coordinates,
+    clouds: Clouds,
+) -> Result<(), Error>
 where
     Clouds: IntoIterator<Item = (Points, [u8; 3])>,
     Points: IntoIterator<Item = Point3<f64>>,
 {
     write_atomically(path.as_ref(), |file| {
-        file.write_all(header(0).as_bytes())?;
+        file.write_all(header(0, coordinates).as_bytes())?;
         let mut num_points = 0;
         for (points, color) in clouds {
             for point in points {
-                write_point(file, &point, color)?;
+                write_point(file, &point, coordinates)?;
+                file.write_all(&color)?;
                 num_points += 1;
             }
         }
-        overwrite_header(file, num_points)
+        file.rewind()?;
+        file.write_all(header(num_points, coordinates).as_bytes())
     })
 }
 
-fn write_point(file: &mut impl Write, point: &Point3<f64>, color: [u8; 3]) -> io::Result<()> {
+fn write_point(
+    file: &mut impl Write,
+    point: &Point3<f64>,
+    coordinates: Coordinates,
+) -> io::Result<()> {
     for coordinate in point.iter() {
-        file.write_all(&(*coordinate as f32).to_le_bytes())?;
+        match coordinates {
+            Coordinates::Single => file.write_all(&(*coordinate as f32).to_le_bytes())?,
+            Coordinates::Double => file.write_all(&coordinate.to_le_bytes())?,
+        }
     }
-    file.write_all(&color)
-}
-
-fn overwrite_header(file: &mut BufWriter<File>, num_points: u64) -> io::Result<()> {
-    file.rewind()?;
-    file.write_all(header(num_points).as_bytes())
+    Ok(())
 }
 
 /// The header, equally long for any count: a comment takes up the slack.
-fn header(num_points: u64) -> String {
+fn header(num_points: u64, coordinates: Coordinates) -> String {
+    let kind = match coordinates {
+        Coordinates::Single => "float",
+        Coordinates::Double => "double",
+    };
     let count = num_points.to_string();
     let slack = ".".repeat(20usize.saturating_sub(count.len()));
     format!(
@@ -80,9 +103,9 @@ fn header(num_points: u64) -> String {
          format binary_little_endian 1.0\n\
          comment registered scans {slack}\n\
          element vertex {count}\n\
-         property float x\n\
-         property float y\n\
-         property float z\n\
+         property {kind} x\n\
+         property {kind} y\n\
+         property {kind} z\n\
          property uchar red\n\
          property uchar green\n\
          property uchar blue\n\
@@ -122,8 +145,10 @@ mod tests {
 
     #[test]
     fn the_header_is_equally_long_for_any_count() {
-        for count in [0, 9, 10, 123_456, u64::MAX] {
-            assert_eq!(header(count).len(), header(0).len());
+        for kind in [Coordinates::Single, Coordinates::Double] {
+            for count in [0, 9, 10, 123_456, u64::MAX] {
+                assert_eq!(header(count, kind).len(), header(0, kind).len());
+            }
         }
     }
 
@@ -134,6 +159,7 @@ mod tests {
         let cloud = |n: usize| vec![Point3::new(1.0, -2.0, 0.5); n];
         write_merged_ply(
             &path,
+            Coordinates::Single,
             [
                 (cloud(11), [1, 2, 3]),
                 (cloud(0), [4; 3]),
@@ -142,13 +168,24 @@ mod tests {
         )
         .unwrap();
         let bytes = fs::read(&path).unwrap();
-        assert_eq!(bytes.len(), header(12).len() + 12 * 15);
-        assert!(bytes.starts_with(header(12).as_bytes()));
+        assert_eq!(bytes.len(), header(12, Coordinates::Single).len() + 12 * 15);
+        assert!(bytes.starts_with(header(12, Coordinates::Single).as_bytes()));
         let last = &bytes[bytes.len() - 15..];
         assert_eq!(last[..4], 1.0f32.to_le_bytes());
         assert_eq!(last[4..8], (-2.0f32).to_le_bytes());
         assert_eq!(last[12..], [7, 8, 9]);
         assert_eq!(crate::read_ply(&path).unwrap().points, cloud(12));
+    }
+
+    #[test]
+    fn coordinates_far_from_the_origin_keep_their_millimetres_as_double() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("merged.ply");
+        let cloud = vec![Point3::new(672_345.123, 5_194_876.547, 561.009)];
+        for (kind, keeps) in [(Coordinates::Double, true), (Coordinates::Single, false)] {
+            write_merged_ply(&path, kind, [(cloud.clone(), [1, 2, 3])]).unwrap();
+            assert_eq!(crate::read_ply(&path).unwrap().points == cloud, keeps);
+        }
     }
 
     #[test]

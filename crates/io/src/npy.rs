@@ -1,13 +1,13 @@
 //! Matrices in NumPy's array format, the common tongue of learned features.
 
-use std::io::{Read, Seek};
+use std::io::{BufRead, Read, Seek};
 use std::path::Path;
 
 use nalgebra::Point3;
 use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar};
 
-use crate::Error;
 use crate::bytes::Source;
+use crate::{Error, PointFile};
 
 /// A matrix of numbers, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,11 +61,41 @@ pub struct Descriptors {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_npy_matrix(path: impl AsRef<Path>) -> Result<NpyMatrix, Error> {
-    let path = path.as_ref();
-    let mut source = Source::open(path, "NPY", b"\x93NUMPY")?;
-    check_header(&mut source)?;
+    read_matrix(Source::open(path.as_ref(), "NPY", MAGIC)?)
+}
+
+/// What an array starts with.
+pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// The points of a `.npy` file: the first three columns of its matrix.
+pub(crate) fn read_points(path: &Path) -> Result<PointFile, Error> {
+    let matrix = read_npy_matrix(path)?;
+    points(path, &matrix)
+}
+
+pub(crate) fn points(path: &Path, matrix: &NpyMatrix) -> Result<PointFile, Error> {
+    let &NpyMatrix { rows, columns, .. } = matrix;
+    if columns < 3 {
+        let reason = format!("points are n x 3 or wider, but the array is {rows} x {columns}");
+        return Err(Error::malformed(path, reason));
+    }
+    let mut scan = PointFile::default();
+    for row in matrix.values.chunks_exact(columns) {
+        scan.push([row[0], row[1], row[2]]);
+    }
+    Ok(scan)
+}
+
+/// The header, after which `source` stands then.
+pub(crate) fn read_header(source: &mut Source<impl BufRead + Seek>) -> Result<NpyHeader, Error> {
+    check_header(source)?;
     let header = NpyHeader::from_reader(&mut source.reader);
-    let header = header.map_err(|error| Error::parser(path, None, "header", error))?;
+    header.map_err(|error| Error::parser(source.path, None, "header", error))
+}
+
+pub(crate) fn read_matrix(mut source: Source<impl BufRead + Seek>) -> Result<NpyMatrix, Error> {
+    let path = source.path;
+    let header = read_header(&mut source)?;
     let (rows, columns) = matrix_shape(path, &header)?;
     let wide = is_double(path, &header.dtype())?;
     let bytes = header.len().checked_mul(if wide { 8 } else { 4 });
@@ -95,7 +125,7 @@ pub fn read_npy_matrix(path: impl AsRef<Path>) -> Result<NpyMatrix, Error> {
 ///
 /// A header of a plain matrix is short and flat, and the decimal digits of its shape are few: up to
 /// 18 of them, besides the digit of the type, multiply to less than 2^64.
-fn check_header(source: &mut Source) -> Result<(), Error> {
+fn check_header(source: &mut Source<impl BufRead + Seek>) -> Result<(), Error> {
     // As NumPy does by default.
     const LONGEST: u64 = 10_000;
     let path = source.path;
@@ -124,7 +154,7 @@ fn check_header(source: &mut Source) -> Result<(), Error> {
 }
 
 /// Length of the header's text: two bytes in version 1 of the format, four in later ones.
-fn header_length(source: &mut Source) -> Result<u64, Error> {
+fn header_length(source: &mut Source<impl BufRead + Seek>) -> Result<u64, Error> {
     let mut start = [0; 8];
     let mut length = [0; 4];
     let reader = &mut source.reader;

@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
+use nalgebra::Point3;
 use pcd_rs::{DataKind, DynReader, Field, FieldDef, PcdMeta, ValueKind};
 
 use crate::bytes::Source;
@@ -14,7 +15,7 @@ use crate::{Error, PointFile};
 /// All three encodings of the versions 0.5 to 0.7 are read: ascii, binary and binary_compressed.
 /// There must be the fields `x`, `y` and `z`, each one float or double; other fields are passed
 /// over, and in ascii need not be numbers. Coordinates are in the unit and the frame of the file;
-/// the viewpoint is not applied.
+/// the viewpoint is not applied, its translation is [`PointFile::viewpoint`].
 /// Points with a coordinate that is not finite are left out and counted, see [`PointFile`].
 ///
 /// # Errors
@@ -44,10 +45,33 @@ pub fn read_pcd(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     let header = header.map_err(|error| Error::parser(path, None, "no PCD header", error))?;
     let axes = coordinate_fields(path, &header)?;
     check_size(&mut source, &header)?;
-    match header.data {
+    let scan = match header.data {
         DataKind::Ascii => read_ascii(source, &header, text.lines().count() + 1),
         DataKind::Binary | DataKind::BinaryCompressed => read_binary(source, &text, axes),
-    }
+    }?;
+    Ok(PointFile {
+        has_normals: has_normals(&header),
+        viewpoint: viewpoint(&header, &text),
+        ..scan
+    })
+}
+
+fn has_normals(header: &PcdMeta) -> bool {
+    let names = ["normal_x", "normal_y", "normal_z"];
+    let mut fields = names.iter().map(|name| {
+        let mut fields = header.field_defs.iter();
+        fields.any(|field| field.name == *name)
+    });
+    fields.all(|found| found)
+}
+
+/// The place of the sensor, if the header has a line for it: the parser makes one up otherwise.
+fn viewpoint(header: &PcdMeta, text: &str) -> Option<Point3<f64>> {
+    let is_viewpoint = |line: &str| line.split_ascii_whitespace().next() == Some("VIEWPOINT");
+    let told = text.lines().any(is_viewpoint);
+    let viewpoint = &header.viewpoint;
+    let place = Point3::new(viewpoint.tx, viewpoint.ty, viewpoint.tz);
+    (told && place.iter().all(|coordinate| coordinate.is_finite())).then_some(place)
 }
 
 /// Whether the line ends the header.
@@ -275,12 +299,37 @@ mod tests {
     #[test]
     fn no_points_are_no_error() {
         for kind in KINDS {
-            assert_eq!(
-                read(rich(kind, 0)).unwrap(),
-                PointFile::default(),
-                "{kind:?}"
-            );
+            let scan = read(rich(kind, 0)).unwrap();
+            assert_eq!((scan.points.len(), scan.invalid), (0, 0), "{kind:?}");
         }
+    }
+
+    #[test]
+    fn the_viewpoint_is_that_of_the_header_if_it_has_one() {
+        let with = |line: &str| {
+            let header = LABELLED.replace("POINTS 3", &format!("{line}POINTS 3"));
+            let scan = read(header + &"1 0 2 3\n".repeat(3)).unwrap();
+            scan.viewpoint
+        };
+        assert_eq!(with(""), None);
+        assert_eq!(
+            with("VIEWPOINT 1 2 3 1 0 0 0\n"),
+            Some([1.0, 2.0, 3.0].into())
+        );
+        assert_eq!(with("VIEWPOINT nan 2 3 1 0 0 0\n"), None);
+    }
+
+    #[test]
+    fn normals_are_there_if_all_three_are() {
+        let with = |names: &str| {
+            let header = format!(
+                "VERSION .7\nFIELDS x y z {names}\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F\n\
+                 COUNT 1 1 1 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n"
+            );
+            read(header + "1 2 3 0 0 1\n").unwrap().has_normals
+        };
+        assert!(with("normal_x normal_y normal_z"));
+        assert!(!with("normal_x normal_y curvature"));
     }
 
     const PADDED: &str = "# .PCD\r\nVERSION 0.7\r\nFIELDS x _ y z\r\nSIZE 4 1 4 4\r\nTYPE F U F F\r\n\

@@ -47,12 +47,17 @@ pub fn read_ply(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     let first_line = reader.line();
     check_unambiguous(source.path, &header, first_line - 1)?;
     let elements = up_to_vertices(source.path, &header)?;
-    match header.encoding {
+    let has_normals = elements.last().is_some_and(|vertex| has_normals(vertex));
+    let scan = match header.encoding {
         Encoding::Ascii => read_ascii(source, &elements, first_line),
         Encoding::BinaryBigEndian | Encoding::BinaryLittleEndian => {
             read_binary(source, &elements, &header)
         }
-    }
+    }?;
+    Ok(PointFile {
+        has_normals,
+        ..scan
+    })
 }
 
 /// Of two declarations of one name, the parser keeps the last, and reads the payload wrongly; but
@@ -72,9 +77,8 @@ fn up_to_vertices<'a>(path: &Path, header: &'a Header) -> Result<Vec<&'a Element
     let place = header.elements.get_index_of("vertex");
     let place = place.ok_or_else(|| Error::malformed(path, "no element \"vertex\""))?;
     let elements: Vec<&ElementDef> = header.elements.values().take(place + 1).collect();
-    for name in ["x", "y", "z"] {
-        let property = elements[place].properties.get(name);
-        if !property.is_some_and(|property| matches!(property.data_type, PropertyType::Scalar(_))) {
+    for name in AXES {
+        if !has_scalar(elements[place], name) {
             return Err(Error::malformed(
                 path,
                 format!("element \"vertex\" has no scalar property {name:?}"),
@@ -84,9 +88,23 @@ fn up_to_vertices<'a>(path: &Path, header: &'a Header) -> Result<Vec<&'a Element
     Ok(elements)
 }
 
+fn has_normals(vertex: &ElementDef) -> bool {
+    NORMAL.iter().all(|name| has_scalar(vertex, name))
+}
+
+fn has_scalar(element: &ElementDef, name: &str) -> bool {
+    let property = element.properties.get(name);
+    property.is_some_and(|property| matches!(property.data_type, PropertyType::Scalar(_)))
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Names of the properties of a vertex that make up its normal.
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+
 /// The coordinate that a property of a vertex stands for.
 fn axis(property: &str) -> Option<usize> {
-    ["x", "y", "z"].iter().position(|name| *name == property)
+    AXES.iter().position(|name| *name == property)
 }
 
 fn announced(element: &ElementDef) -> String {
@@ -113,6 +131,21 @@ mod tests {
 
     fn ascii(vertices: usize, body: &str) -> String {
         format!("ply\nformat ascii 1.0\nelement vertex {vertices}\n{XYZ}end_header\n{body}")
+    }
+
+    #[test]
+    fn normals_are_there_if_all_three_are() {
+        let normals = "property float nx\nproperty float ny\nproperty float nz\nend_header";
+        let content = ascii(1, "1 2 3 0 0 1\n").replace("end_header", normals);
+        let scan = read(&content).unwrap();
+        assert!(scan.has_normals);
+        assert_eq!(scan.points, [[1.0, 2.0, 3.0].into()]);
+        let content = content.replace("property float nz", "property float curvature");
+        assert!(!read(content).unwrap().has_normals);
+        let listed =
+            "property list uchar float nx\nproperty float ny\nproperty float nz\nend_header";
+        let content = ascii(1, "1 2 3 0 0 1\n").replace("end_header", listed);
+        assert!(!read(content).unwrap().has_normals);
     }
 
     /// A camera, then vertices with colour, list and double coordinates, then a face.

@@ -4,10 +4,7 @@ use std::path::Path;
 
 use nalgebra::Point3;
 
-use crate::{Error, read_pcd, read_ply};
-
-/// Extensions of point files, in lower case.
-pub(crate) const EXTENSIONS: &[&str] = &["ply", "pcd"];
+use crate::{Error, npy, read_pcd, read_ply, read_xyz};
 
 /// The points of a file, in its order and unit, and how many more it listed without a position.
 ///
@@ -16,11 +13,19 @@ pub(crate) const EXTENSIONS: &[&str] = &["ply", "pcd"];
 /// and counted. Where `invalid` is not zero, the place of a point in `points` is not its row in the
 /// file.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct PointFile {
     /// The points with three finite coordinates.
     pub points: Vec<Point3<f64>>,
-    /// How many points were left out since a coordinate is NaN or infinite.
+    /// How many points were left out since a coordinate is NaN or infinite, or since the file marks
+    /// them as invalid.
     pub invalid: usize,
+    /// Whether the file lists a normal for every point: `nx ny nz` of PLY, `normal_x normal_y
+    /// normal_z` of PCD. The normals themselves are not read.
+    pub has_normals: bool,
+    /// Where the sensor stood, in the frame of the points, if the file tells: the translation of
+    /// `VIEWPOINT` of PCD. Many programs write the origin there whatever they know.
+    pub viewpoint: Option<Point3<f64>>,
 }
 
 impl PointFile {
@@ -33,10 +38,26 @@ impl PointFile {
     }
 }
 
-/// Reads the points of a `.ply` or `.pcd` file; upper and lower case of the extension are alike.
+/// Reads the points of a file of one cloud; upper and lower case of the extension are alike.
+///
+/// | extension | format | feature |
+/// |---|---|---|
+/// | `.ply` | [PLY](read_ply) | |
+/// | `.pcd` | [PCD](read_pcd) | |
+/// | `.xyz`, `.asc`, `.pts`, `.txt`, `.csv` | [text](read_xyz) | |
+/// | `.npy` | NumPy array of `float32` or `float64`, a point per row: the first three columns | |
+/// | `.npz` | NumPy archive: its array `points`, `xyz`, `pcd`, `pc` or `positions`, else its only matrix of three or more columns | `npz` |
+/// | `.las` | LAS: all points, also those marked as withheld or as noise | `las` |
+/// | `.laz` | LAS, compressed | `laz` |
+/// | `.e57` | E57: all scans of the file in its frame, poses applied; `read_e57` keeps them apart | `e57` |
+///
+/// Coordinates are in the unit and the frame of the file, with the digits that they have there: LAS
+/// and E57 often are georeferenced, millions of metres from the origin.
 ///
 /// # Errors
-/// [`Error::UnknownExtension`] for other names, and those of [`read_ply`] and [`read_pcd`].
+/// [`Error::UnknownExtension`] for other names, [`Error::FeatureOff`] for formats that this build
+/// does not read, [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is empty,
+/// foreign, cut off, or false about its size; memory is reserved only for what it can hold.
 ///
 /// # Example
 /// ```
@@ -52,27 +73,127 @@ impl PointFile {
 /// assert_eq!(scan.points, [[0.0, 0.5, 1.0].into()]);
 /// assert_eq!(scan.invalid, 1);
 ///
-/// let error = read_points("scan.xyz").unwrap_err();
-/// assert!(error.to_string().contains("known extensions are .ply, .pcd"));
+/// let error = read_points("scan.obj").unwrap_err();
+/// assert!(error.to_string().contains("known extensions are .ply, .pcd, .xyz"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_points(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     let path = path.as_ref();
-    match extension(path).as_deref() {
-        Some("ply") => read_ply(path),
-        Some("pcd") => read_pcd(path),
-        _ => Err(Error::UnknownExtension {
+    let Some(format) = Format::of(path) else {
+        let readable = FORMATS.iter().filter(|format| format.is_readable());
+        return Err(Error::UnknownExtension {
             path: path.to_owned(),
-            known: EXTENSIONS,
-        }),
+            known: readable.map(|format| format.extension).collect(),
+        });
+    };
+    match format.reader {
+        Reader::Here(read) => read(path),
+        Reader::Feature(feature) => Err(format.feature_off(path, feature)),
     }
 }
 
-/// The extension in lower case.
-pub(crate) fn extension(path: &Path) -> Option<String> {
-    let extension = path.extension()?.to_str()?;
-    Some(extension.to_ascii_lowercase())
+/// A kind of point file.
+pub(crate) struct Format {
+    extension: &'static str,
+    name: &'static str,
+    /// Whether files of other content have this extension as well.
+    pub(crate) is_common: bool,
+    reader: Reader,
 }
+
+enum Reader {
+    Here(fn(&Path) -> Result<PointFile, Error>),
+    /// The feature that has the reader.
+    #[allow(dead_code, reason = "with all features there is none")]
+    Feature(&'static str),
+}
+
+impl Format {
+    /// The format that the extension tells.
+    pub(crate) fn of(path: &Path) -> Option<&'static Self> {
+        let extension = path.extension()?.to_str()?;
+        FORMATS
+            .iter()
+            .find(|format| format.extension.eq_ignore_ascii_case(extension))
+    }
+
+    pub(crate) fn is_readable(&self) -> bool {
+        self.missing_feature().is_none()
+    }
+
+    /// The feature that this build would need.
+    pub(crate) fn missing_feature(&self) -> Option<&'static str> {
+        match self.reader {
+            Reader::Here(_) => None,
+            Reader::Feature(feature) => Some(feature),
+        }
+    }
+
+    pub(crate) fn feature_off(&self, path: &Path, feature: &'static str) -> Error {
+        Error::FeatureOff {
+            path: path.to_owned(),
+            format: self.name,
+            feature,
+        }
+    }
+
+    const fn own(extension: &'static str, name: &'static str, reader: Reader) -> Self {
+        let is_common = false;
+        Self {
+            extension,
+            name,
+            is_common,
+            reader,
+        }
+    }
+
+    const fn common(extension: &'static str, name: &'static str, reader: Reader) -> Self {
+        let is_common = true;
+        Self {
+            extension,
+            name,
+            is_common,
+            reader,
+        }
+    }
+}
+
+const TEXT: Reader = Reader::Here(|path| read_xyz(path));
+
+#[cfg(feature = "las")]
+const LAS: Reader = Reader::Here(|path| crate::read_las(path));
+#[cfg(not(feature = "las"))]
+const LAS: Reader = Reader::Feature("las");
+
+#[cfg(feature = "laz")]
+const LAZ: Reader = Reader::Here(|path| crate::read_las(path));
+#[cfg(not(feature = "laz"))]
+const LAZ: Reader = Reader::Feature("laz");
+
+#[cfg(feature = "e57")]
+const E57: Reader = Reader::Here(crate::e57::read_merged);
+#[cfg(not(feature = "e57"))]
+const E57: Reader = Reader::Feature("e57");
+
+#[cfg(feature = "npz")]
+const NPZ: Reader = Reader::Here(crate::npz::read_points);
+#[cfg(not(feature = "npz"))]
+const NPZ: Reader = Reader::Feature("npz");
+
+const FORMATS: &[Format] = &[
+    Format::own("ply", "PLY", Reader::Here(|path| read_ply(path))),
+    Format::own("pcd", "PCD", Reader::Here(|path| read_pcd(path))),
+    Format::own("xyz", "text", TEXT),
+    Format::own("asc", "text", TEXT),
+    Format::own("pts", "text", TEXT),
+    Format::own("las", "LAS", LAS),
+    Format::own("laz", "LAZ", LAZ),
+    Format::own("e57", "E57", E57),
+    Format::common("txt", "text", TEXT),
+    Format::common("csv", "text", TEXT),
+    Format::common("npy", "NPY", Reader::Here(npy::read_points)),
+    Format::common("npz", "NPZ", NPZ),
+];
 
 #[cfg(test)]
 mod tests {
@@ -90,13 +211,32 @@ mod tests {
 
     #[test]
     fn the_extension_decides_in_any_case() {
-        for name in ["a.PLY", "a.Pcd"] {
+        for name in ["a.PLY", "a.Pcd", "a.XYZ", "a.Npy", "a.csv"] {
             let error = read_points(name).unwrap_err();
             assert!(matches!(error, Error::Io { .. }), "{error}");
         }
-        for name in ["a", "a.xyz", "ply", ".ply", ""] {
+        for name in ["a", "a.obj", "ply", ".ply", ""] {
             let error = read_points(name).unwrap_err();
             assert!(matches!(error, Error::UnknownExtension { .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_format_is_read_or_its_feature_is_named() {
+        for (name, format, feature) in [
+            ("a.LAS", "LAS", "las"),
+            ("a.laz", "LAZ", "laz"),
+            ("a.e57", "E57", "e57"),
+            ("a.npz", "NPZ", "npz"),
+        ] {
+            let error = read_points(name).unwrap_err();
+            let off = format!(
+                "{name} is a {format} file, but this build reads no {format}: \
+                 rebuild with the feature `{feature}`"
+            );
+            let readable = Format::of(Path::new(name)).unwrap().is_readable();
+            assert_eq!(matches!(error, Error::Io { .. }), readable, "{error}");
+            assert_eq!(error.to_string() == off, !readable, "{error}");
         }
     }
 }

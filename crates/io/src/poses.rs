@@ -126,6 +126,54 @@ pub fn read_poses_3x4(path: impl AsRef<Path>) -> Result<Vec<(usize, Isometry3<f6
     })
 }
 
+/// Reads `(scan, world_from_scan)` from a file of poses in either format, which the width of its
+/// first row tells.
+///
+/// Rows of 8 numbers are those of [`read_poses_tum`]. Their time stamps are the indices of the scans
+/// if all are whole numbers from 0 on; otherwise the rows are numbered from 0 in the order of the
+/// file. Rows of 12 (KITTI), 13 or 14 numbers are those of [`read_poses_3x4`]. A file without rows has
+/// no poses.
+///
+/// # Errors
+/// Those of [`read_poses_tum`] and [`read_poses_3x4`].
+///
+/// # Example
+/// ```
+/// use gmpcr_io::{read_poses, write_poses_tum};
+/// use nalgebra::Isometry3;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("poses.txt");
+/// let pose = Isometry3::translation(0.5, 1.0, 2.0);
+/// write_poses_tum(&path, &[(3.0, pose), (7.0, pose)])?;
+/// assert_eq!(read_poses(&path)?, [(3, pose), (7, pose)]);
+/// write_poses_tum(&path, &[(3.0, pose), (7.5, pose)])?;
+/// assert_eq!(read_poses(&path)?, [(0, pose), (1, pose)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_poses(path: impl AsRef<Path>) -> Result<Vec<(usize, Isometry3<f64>)>, Error> {
+    let path = path.as_ref();
+    let text = read_text(path)?;
+    let width = lines(path, &text).next().map(|line| line.words_left());
+    if width != Some(8) {
+        return read_poses_3x4(path);
+    }
+    let timed = read_poses_tum(path)?;
+    let indices: Option<Vec<usize>> = timed.iter().map(|&(time, _)| index(time)).collect();
+    let indices = indices.unwrap_or_else(|| (0..timed.len()).collect());
+    let poses = timed
+        .into_iter()
+        .map(|(_, world_from_scan)| world_from_scan);
+    Ok(indices.into_iter().zip(poses).collect())
+}
+
+/// The whole number from 0 on that `time` is, if it is one and stands for no other.
+fn index(time: f64) -> Option<usize> {
+    const LAST_WITHOUT_GAPS: f64 = 9_007_199_254_740_991.0; // 2^53 - 1
+    let is_index = time.fract() == 0.0 && (0.0..=LAST_WITHOUT_GAPS).contains(&time);
+    is_index.then_some(time as usize)
+}
+
 /// A pose, or `None` where it is unknown.
 pub(crate) type KnownPose = Option<Isometry3<f64>>;
 
@@ -359,5 +407,36 @@ mod tests {
         assert!(read_poses_tum(&path).unwrap().is_empty());
         write_poses_3x4(&path, &[]).unwrap();
         assert!(read_poses_3x4(&path).unwrap().is_empty());
+    }
+
+    #[test]
+    fn the_width_of_the_first_row_tells_the_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("poses.txt");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            read_poses(&path)
+                .map(|poses| poses.into_iter().map(|(scan, _)| scan).collect::<Vec<_>>())
+        };
+        let (quaternion, matrix) = ("1 2 3 0 0 0 1\n", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+        assert_eq!(
+            read(&format!("# t\n4 {quaternion}9 {quaternion}")).unwrap(),
+            [4, 9]
+        );
+        for time in ["-1", "0.5", "1e300"] {
+            let text = format!("4 {quaternion}{time} {quaternion}");
+            assert_eq!(read(&text).unwrap(), [0, 1], "{time}");
+        }
+        assert_eq!(read(&matrix.repeat(2)).unwrap(), [0, 1]);
+        assert_eq!(read(&format!("7 {matrix}")).unwrap(), [7]);
+        assert_eq!(read(&format!("7 0 {matrix}")).unwrap(), [7]);
+        assert!(read("").unwrap().is_empty());
+        assert!(
+            read("0 1 60\n")
+                .unwrap_err()
+                .to_string()
+                .contains("3 numbers")
+        );
+        assert!(read(&format!("4 {quaternion}{matrix}")).is_err());
     }
 }

@@ -30,25 +30,32 @@ impl<'a> Rows<'a> {
 
     /// The next row; if there is none, `announced` tells what the header promised.
     pub(crate) fn next(&mut self, announced: impl Fn() -> String) -> Result<&str, Error> {
+        if self.advance()? {
+            return Ok(&self.content);
+        }
+        let announced = announced();
+        Err(self.error(format!(
+            "the header announces {announced}, but the file ends before"
+        )))
+    }
+
+    /// The next row, if there is one.
+    pub(crate) fn next_if_any(&mut self) -> Result<Option<&str>, Error> {
+        Ok(self.advance()?.then_some(&*self.content))
+    }
+
+    /// Whether there is another row, which is the content then.
+    fn advance(&mut self) -> Result<bool, Error> {
         loop {
             self.content.clear();
             self.number += 1;
-            match self.reader.read_line(&mut self.content) {
-                Ok(0) => return Err(self.cut_off(&announced())),
-                Ok(_) if self.content.trim_ascii().is_empty() => continue,
-                Ok(_) => return Ok(&self.content),
-                Err(error) => {
-                    let line = Some(self.number);
-                    return Err(Error::parser(self.path, line, "no text", error));
-                }
+            let length = self.reader.read_line(&mut self.content);
+            let length = length
+                .map_err(|error| Error::parser(self.path, Some(self.number), "no text", error))?;
+            if length == 0 || !self.content.trim_ascii().is_empty() {
+                return Ok(length > 0);
             }
         }
-    }
-
-    fn cut_off(&self, announced: &str) -> Error {
-        self.error(format!(
-            "the header announces {announced}, but the file ends before"
-        ))
     }
 
     /// An error in the row that was read last.

@@ -11,15 +11,17 @@ use proptest::prelude::*;
 /// Every reader, with a result that tells success only.
 type Reader = fn(&Path) -> Result<(), Error>;
 
-const READERS: [(&str, Reader); 10] = [
+const READERS: [(&str, Reader); 12] = [
     ("scan.ply", |path| read_ply(path).map(drop)),
     ("scan.pcd", |path| read_pcd(path).map(drop)),
+    ("scan.xyz", |path| read_xyz(path).map(drop)),
     ("0.kpts.npy", |path| read_keypoints(path).map(drop)),
     ("0.desc.npy", |path| read_descriptors(path).map(drop)),
     ("matrix.npy", |path| read_npy_matrix(path).map(drop)),
     ("tum.txt", |path| read_poses_tum(path).map(drop)),
     ("3x4.txt", |path| read_poses_3x4(path).map(drop)),
     ("graph.g2o", |path| read_g2o(path).map(drop)),
+    ("graph.json", |path| read_open3d_pose_graph(path).map(drop)),
     ("gt.log", |path| read_gt_log(path).map(drop)),
     ("gt.info", |path| read_gt_info(path).map(drop)),
 ];
@@ -96,6 +98,30 @@ proptest! {
     }
 
     #[test]
+    fn a_pose_graph_of_open3d_comes_back(
+        nodes in prop::collection::vec(motion(), 3),
+        edges in prop::collection::vec((0usize..3, 0usize..3, motion(), information(), any::<bool>(), 0.0..1.0f64), 0..4),
+    ) {
+        let edge = |&(source, target, target_from_source, information, uncertain, confidence)| {
+            Open3dEdge { source, target, target_from_source, information, uncertain, confidence }
+        };
+        let graph = Open3dPoseGraph { nodes, edges: edges.iter().map(edge).collect() };
+        let (_guard, path) = folder();
+        write_open3d_pose_graph(path("json"), &graph).unwrap();
+        let back = read_open3d_pose_graph(path("json")).unwrap();
+
+        prop_assert_eq!((back.nodes.len(), back.edges.len()), (3, graph.edges.len()));
+        for (a, b) in back.nodes.iter().zip(&graph.nodes) {
+            assert_same(a, b);
+        }
+        for (a, b) in back.edges.into_iter().zip(graph.edges) {
+            assert_same(&a.target_from_source, &b.target_from_source);
+            let target_from_source = a.target_from_source;
+            prop_assert_eq!(a, Open3dEdge { target_from_source, ..b });
+        }
+    }
+
+    #[test]
     fn benchmark_pairs_come_back(pairs in prop::collection::vec((0usize..60, 0usize..60, motion()), 0..5)) {
         let entry = |&(i, j, i_from_j)| LogEntry { i, j, num_fragments: 60, i_from_j };
         let entries: Vec<_> = pairs.iter().map(entry).collect();
@@ -117,8 +143,10 @@ proptest! {
         let point = |&[x, y, z]: &[f32; 3]| [x, y, z].map(f64::from).into();
         let (_guard, path) = folder();
         let colored = clouds.iter().map(|cloud| (cloud.iter().map(point), [1, 2, 3]));
-        write_merged_ply(path("merged.ply"), colored).unwrap();
+        write_merged_ply(path("double.ply"), Coordinates::Double, colored.clone()).unwrap();
+        write_merged_ply(path("merged.ply"), Coordinates::Single, colored).unwrap();
         let back = read_points(path("merged.ply")).unwrap();
+        prop_assert_eq!(&read_points(path("double.ply")).unwrap(), &back);
 
         let all: Vec<_> = clouds.iter().flatten().collect();
         let finite = all.iter().filter(|point| point.iter().all(|c| c.is_finite()));
@@ -130,7 +158,7 @@ proptest! {
     #[test]
     fn noise_after_any_start_makes_no_reader_panic(
         noise in prop::collection::vec(any::<u8>(), 0..200),
-        which in 0..10usize,
+        which in 0..READERS.len(),
         cut in 0.0..1.0f64,
     ) {
         let (_guard, path) = folder();
@@ -157,16 +185,19 @@ proptest! {
 
 /// The reader of a sample file.
 fn reader_of(name: &str) -> Reader {
-    match name.rsplit('.').next().unwrap() {
-        "ply" => READERS[0].1,
-        "pcd" => READERS[1].1,
-        "npy" => READERS[4].1,
-        "tum" => READERS[5].1,
-        "3x4" => READERS[6].1,
-        "g2o" => READERS[7].1,
-        "log" => READERS[8].1,
-        _ => READERS[9].1,
-    }
+    let name = match name.rsplit('.').next().unwrap() {
+        "ply" => "scan.ply",
+        "pcd" => "scan.pcd",
+        "xyz" => "scan.xyz",
+        "npy" => "matrix.npy",
+        "tum" => "tum.txt",
+        "3x4" => "3x4.txt",
+        "g2o" => "graph.g2o",
+        "json" => "graph.json",
+        "log" => "gt.log",
+        _ => "gt.info",
+    };
+    READERS.iter().find(|reader| reader.0 == name).unwrap().1
 }
 
 /// A small good file of every format and encoding.
@@ -208,6 +239,7 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         ("ascii.pcd", pcd("ascii", b"1 2 3\nnan 5 6\n")),
         ("binary.pcd", pcd("binary", &body)),
         ("packed.pcd", pcd("binary_compressed", &packed)),
+        ("scan.xyz", text("# x y z\n1 2 3 255\nnan 5 6 0\n")),
         ("matrix.npy", npy),
         ("poses.tum", text("0.5 1 2 3 0 0 0 1\n1.5 1 2 3 0 0 1 0\n")),
         ("poses.3x4", text("0 1 0 0 1 0 1 0 2 0 0 1 3\n")),
@@ -218,6 +250,7 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
                  EDGE_SE3:QUAT 0 1 0 0 0 0 0 0 1 9 0 0 0 0 0 9 0 0 0 0 9 0 0 0 9 0 0 9 0 9\n",
             ),
         ),
+        ("graph.json", text(&pose_graph_json())),
         (
             "gt.log",
             text("0\t1\t60\n1 0 0 1\n0 1 0 2\n0 0 1 3\n0 0 0 1\n"),
@@ -227,6 +260,20 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
             text(&format!("0 1 60\n{}", "0 0 0 0 0 0\n".repeat(6))),
         ),
     ]
+}
+
+/// Two nodes and an edge, as Open3D writes them.
+fn pose_graph_json() -> String {
+    let identity = "[1.0,0.0,0.0,0.0, 0.0,1.0,0.0,0.0, 0.0,0.0,1.0,0.0, 0.0,0.0,0.0,1.0]";
+    let version = "\"version_major\":1,\"version_minor\":0";
+    let node = format!("{{\"class_name\":\"PoseGraphNode\",\"pose\":{identity},{version}}}");
+    let information = ["0.5"; 36].join(",");
+    format!(
+        "{{\"class_name\":\"PoseGraph\",\"edges\":[{{\"class_name\":\"PoseGraphEdge\",\
+         \"confidence\":1.0,\"information\":[{information}],\"source_node_id\":0,\
+         \"target_node_id\":1,\"transformation\":{identity},\"uncertain\":false,{version}}}],\
+         \"nodes\":[{node},{node}],{version}}}"
+    )
 }
 
 #[test]
@@ -242,6 +289,8 @@ fn the_samples_are_good() {
         "ascii.pcd",
         "binary.pcd",
         "packed.pcd",
+        "scan.xyz",
+        "matrix.npy",
     ] {
         let scan = read_points(path(name)).unwrap();
         assert_eq!(
@@ -318,7 +367,7 @@ fn missing_files_and_folders_in_their_place_are_refused_by_name() {
 #[test]
 fn an_empty_file_is_no_scan_and_no_matrix() {
     let (_guard, path) = folder();
-    for (name, read) in &READERS[..5] {
+    for (name, read) in &READERS[..6] {
         fs::write(path(name), "").unwrap();
         let said = read(&path(name)).unwrap_err().to_string();
         assert!(
@@ -331,9 +380,10 @@ fn an_empty_file_is_no_scan_and_no_matrix() {
 #[test]
 fn an_empty_file_is_no_pose_graph_but_an_empty_list() {
     let (_guard, path) = folder();
-    for (name, read) in &READERS[5..] {
+    for (name, read) in &READERS[6..] {
         fs::write(path(name), "").unwrap();
-        assert_eq!(read(&path(name)).is_err(), *name == "graph.g2o", "{name}");
+        let is_graph = name.starts_with("graph");
+        assert_eq!(read(&path(name)).is_err(), is_graph, "{name}");
     }
 }
 
@@ -346,7 +396,12 @@ fn writers_to_a_missing_folder_fail_and_create_nothing() {
         write_poses_3x4(&target, &[]),
         write_g2o(&target, &G2o::default()),
         write_gt_log(&target, &[]),
-        write_merged_ply(&target, Vec::<(Vec<_>, [u8; 3])>::new()),
+        write_open3d_pose_graph(&target, &Open3dPoseGraph::default()),
+        write_merged_ply(
+            &target,
+            Coordinates::Double,
+            Vec::<(Vec<_>, [u8; 3])>::new(),
+        ),
     ];
     for result in results {
         let error = result.unwrap_err();

@@ -3,7 +3,7 @@
 //! The parser crate refuses names of properties that are no identifiers, blank lines, and bytes
 //! that are no text, all of which occur in files of common programs and matter to nobody here.
 
-use super::axis;
+use super::{NORMAL, axis};
 
 /// Whether the line ends the header.
 pub(super) fn is_last_line(line: &str) -> bool {
@@ -11,7 +11,7 @@ pub(super) fn is_last_line(line: &str) -> bool {
 }
 
 /// The header with as many lines, of which those that declare nothing are empty comments, and with
-/// neutral names for all properties except coordinates.
+/// neutral names for all properties except coordinates and normals.
 pub(super) fn plain(header: &str) -> String {
     let lines = header.lines().enumerate();
     let plain = lines.map(|(place, line)| plain_line(line, place) + "\n");
@@ -29,7 +29,7 @@ fn plain_line(line: &str, place: usize) -> String {
     let neutral = format!("p{place}");
     match words[before_name.min(words.len())..] {
         [] => {}
-        [name] if axis(name).is_some() => {}
+        [name] if axis(name).is_some() || NORMAL.contains(&name) => {}
         [..] => words.splice(before_name.., [&*neutral]).for_each(drop),
     }
     words.join(" ")
@@ -40,9 +40,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_coordinates_keep_their_name() {
+    fn only_coordinates_and_normals_keep_their_name() {
         for (line, expected) in [
             ("property float x", "property float x"),
+            ("property float nz", "property float nz"),
             ("  property\tfloat  y \r", "property float y"),
             ("property float R/G", "property float p7"),
             ("property float two words", "property float p7"),

@@ -1,0 +1,207 @@
+//! What deserves a look, in words.
+
+use gmpcr::{EdgeEvidence, Params, Registration};
+use serde::{Deserialize, Serialize};
+
+use crate::links::{bridges, trusted_parts};
+use crate::scans::Cloud;
+use crate::table::significant;
+
+/// A remark on a scan or an edge.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Notice {
+    /// The scan, or the two of the edge; more where many share a fate.
+    pub scans: Vec<usize>,
+    pub text: String,
+}
+
+/// All remarks, the gravest kind first.
+pub fn notices(clouds: &[Cloud], registration: &Registration, params: &Params) -> Vec<Notice> {
+    let view = View {
+        clouds,
+        registration,
+        params,
+    };
+    let mut notices = view.scans_alone();
+    notices.extend(view.other_frames());
+    notices.extend(view.loose_parts());
+    notices.extend(view.single_links());
+    notices.extend(view.contradictions());
+    notices
+}
+
+/// The largest component, the first of equal ones.
+pub fn main_component(registration: &Registration) -> usize {
+    let members = registration.components.members().iter().enumerate();
+    let largest = members.rev().max_by_key(|(_, scans)| scans.len());
+    largest.map_or(0, |(label, _)| label)
+}
+
+struct View<'a> {
+    clouds: &'a [Cloud],
+    registration: &'a Registration,
+    params: &'a Params,
+}
+
+impl View<'_> {
+    fn scans_alone(&self) -> Vec<Notice> {
+        let members = self.registration.components.members();
+        let alone = members.iter().filter(|scans| scans.len() == 1);
+        let notice = |scans: &Vec<usize>| Notice {
+            scans: scans.clone(),
+            text: format!(
+                "{} is not registered: {}",
+                self.name(scans[0]),
+                self.reason(scans[0])
+            ),
+        };
+        match members.len() {
+            1 => Vec::new(),
+            _ => alone.map(notice).collect(),
+        }
+    }
+
+    fn reason(&self, scan: usize) -> String {
+        let cloud = &self.clouds[scan];
+        if let Some(problem) = &cloud.problem {
+            return format!("it could not be read ({problem})");
+        }
+        if cloud.points.is_empty() {
+            return "it holds no points".into();
+        }
+        let unresolved = self.registration.unresolved.iter();
+        let tried = unresolved
+            .filter(|pair| pair.i == scan || pair.j == scan)
+            .count();
+        match tried {
+            0 => "no other scan has correspondences with it that agree".into(),
+            _ => format!(
+                "none of the {tried} pairs that were tried has a motion that explains its correspondences"
+            ),
+        }
+    }
+
+    fn other_frames(&self) -> Vec<Notice> {
+        let main = main_component(self.registration);
+        let members = self.registration.components.members().iter().enumerate();
+        let others = members.filter(|&(label, scans)| label != main && scans.len() > 1);
+        let notice = |(_, scans): (usize, &Vec<usize>)| Notice {
+            scans: scans.clone(),
+            text: format!(
+                "{} share a frame of their own: no edge joins them to the largest one",
+                self.names(scans)
+            ),
+        };
+        others.map(notice).collect()
+    }
+
+    /// Parts of a frame that only distrusted edges join.
+    fn loose_parts(&self) -> Vec<Notice> {
+        let mut notices = Vec::new();
+        for component in self.registration.components.members() {
+            let mut parts = trusted_parts(self.registration, component);
+            if parts.len() < 2 {
+                continue;
+            }
+            parts.sort_by_key(|part| part.len());
+            parts.pop();
+            notices.extend(parts.into_iter().map(|part| Notice {
+                text: format!(
+                    "{} may be misplaced as a whole: only edges that lost nine tenths of their weight join \
+                     {} to the rest",
+                    self.names(&part),
+                    if part.len() == 1 { "it" } else { "them" }
+                ),
+                scans: part,
+            }));
+        }
+        notices
+    }
+
+    fn single_links(&self) -> Vec<Notice> {
+        let notice = |edge: usize| {
+            let EdgeEvidence { i, j, .. } = self.registration.evidence[edge];
+            Notice {
+                scans: vec![i, j],
+                text: format!(
+                    "{} and {} are joined by a single trusted edge: nothing confirms it ({})",
+                    self.name(i),
+                    self.name(j),
+                    strength(&self.registration.evidence[edge])
+                ),
+            }
+        };
+        let edges = bridges(self.registration);
+        edges.into_iter().map(notice).collect()
+    }
+
+    /// Edges that lost more than half of their weight and disagree with the result by more than the
+    /// noise of a good motion, the heaviest loss first.
+    fn contradictions(&self) -> Vec<Notice> {
+        const MOST: usize = 10;
+        let lost = |edge: &EdgeEvidence| edge.initial_weight - edge.final_weight;
+        let evidence = self.registration.evidence.iter();
+        let mut edges: Vec<_> = evidence.filter(|edge| self.is_contradicted(edge)).collect();
+        edges.sort_by(|a, b| lost(b).total_cmp(&lost(a)));
+        let notice = |edge: &&EdgeEvidence| Notice {
+            scans: vec![edge.i, edge.j],
+            text: format!(
+                "{} and {} look alike ({}), but the motion between them is off the result by {}: two \
+                 similar places?",
+                self.name(edge.i),
+                self.name(edge.j),
+                strength(edge),
+                offset(edge)
+            ),
+        };
+        edges.iter().take(MOST).map(notice).collect()
+    }
+
+    /// Whether the result is off the motion by more than two residual scales or five inlier
+    /// thresholds.
+    fn is_contradicted(&self, edge: &EdgeEvidence) -> bool {
+        let exceeds = |residual: Option<f64>, limit| residual.is_some_and(|value| value > limit);
+        edge.final_weight < 0.5 * edge.initial_weight
+            && (exceeds(
+                edge.rotation_residual,
+                2.0 * self.params.sync.residual_scale,
+            ) || exceeds(
+                edge.translation_residual,
+                5.0 * self.params.cliques.inlier_threshold,
+            ))
+    }
+
+    fn name(&self, scan: usize) -> &str {
+        &self.clouds[scan].name
+    }
+
+    fn names(&self, scans: &[usize]) -> String {
+        const FEW: usize = 4;
+        let names: Vec<_> = scans
+            .iter()
+            .take(FEW)
+            .map(|&scan| self.name(scan))
+            .collect();
+        match scans.len().saturating_sub(FEW) {
+            0 => names.join(", "),
+            more => format!("{} and {more} more", names.join(", ")),
+        }
+    }
+}
+
+/// Rotation and translation residual.
+fn offset(edge: &EdgeEvidence) -> String {
+    let residuals = edge.rotation_residual.zip(edge.translation_residual);
+    residuals.map_or("an unknown motion".into(), |(angle, length)| {
+        format!("{:.0}° and {}", angle.to_degrees(), significant(length))
+    })
+}
+
+fn strength(edge: &EdgeEvidence) -> String {
+    format!(
+        "confidence {:.2}, {:.0} % of {} correspondences explained",
+        edge.confidence,
+        100.0 * edge.inlier_ratio,
+        edge.num_correspondences
+    )
+}

@@ -1,0 +1,192 @@
+//! `gmpcr sync`: poses from the relative poses of a g2o file.
+
+use std::collections::{BTreeSet, HashMap};
+use std::fmt::Write;
+
+use gmpcr::geometry::angular_distance;
+use gmpcr::nalgebra::Isometry3;
+use gmpcr::posegraph::{PoseEdge, PoseGraph};
+use gmpcr::sync::{SyncParams, synchronize};
+use gmpcr_io::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
+use serde_json::{Value, json};
+
+use crate::arguments::SyncArguments;
+use crate::outcome::{Answer, Failure};
+use crate::progress::Progress;
+use crate::table::{significant, table};
+
+pub fn run(
+    arguments: &SyncArguments,
+    is_verbose: bool,
+    progress: &Progress,
+) -> Result<Answer, Failure> {
+    let mut file = read_g2o(&arguments.graph)?;
+    if file.edges.is_empty() {
+        return Err(format!(
+            "{}: no EDGE_SE3:QUAT record to synchronise",
+            arguments.graph.display()
+        )
+        .into());
+    }
+    let is_posed = !file.vertices.is_empty();
+    complete_vertices(&mut file);
+    let graph = pose_graph(&file)?;
+    let params = SyncParams {
+        iterations: arguments.iterations,
+        method: arguments.method,
+        ..SyncParams::default()
+    };
+    let before: Vec<_> = file
+        .vertices
+        .iter()
+        .map(|vertex| vertex.world_from_vertex)
+        .collect();
+    let before = is_posed.then(|| Residuals::of(&graph, &before));
+    let (result, time) = progress.stage("synchronisation", 1, || {
+        progress.item(|| synchronize(&graph, &params))
+    })?;
+    progress.finish();
+    let after = Residuals::of(&graph, &result.world_from_scan);
+    for (vertex, pose) in file.vertices.iter_mut().zip(&result.world_from_scan) {
+        vertex.world_from_vertex = *pose;
+    }
+    if let Some(out) = &arguments.out {
+        write_g2o(out, &file)?;
+    }
+    let num_components = result.components.members().len();
+    let eigen_residual = result
+        .reports
+        .iter()
+        .map(|report| report.eigen_residual)
+        .fold(0.0, f64::max);
+    let mut text = format!(
+        "{} poses, {} edges, {num_components} components: {} in {:.3} s\n\n",
+        graph.num_scans(),
+        graph.edges().len(),
+        arguments.method.name(),
+        time.as_secs_f64()
+    );
+    text += &residual_table(before.as_ref(), &after);
+    if is_verbose {
+        let _ = write!(text, "\neigenvector residual {eigen_residual:.1e}\n");
+    }
+    if let Some(out) = &arguments.out {
+        let _ = write!(text, "\n{} written\n", out.display());
+    }
+    Ok(Answer {
+        text,
+        json: Some(json!({
+            "method": arguments.method.name(),
+            "poses": graph.num_scans(),
+            "edges": graph.edges().len(),
+            "components": num_components,
+            "seconds": time.as_secs_f64(),
+            "eigen_residual": eigen_residual,
+            "before": before.as_ref().map(Residuals::to_json),
+            "after": after.to_json(),
+        })),
+        is_complete: num_components == 1,
+    })
+}
+
+/// Adds the vertices that only edges name, and sorts all by their ids.
+fn complete_vertices(file: &mut G2o) {
+    let known: BTreeSet<usize> = file.vertices.iter().map(|vertex| vertex.id).collect();
+    let named: BTreeSet<usize> = file
+        .edges
+        .iter()
+        .flat_map(|edge| [edge.i, edge.j])
+        .collect();
+    file.vertices
+        .extend(named.difference(&known).map(|&id| G2oVertex {
+            id,
+            world_from_vertex: Isometry3::identity(),
+        }));
+    file.vertices.sort_by_key(|vertex| vertex.id);
+}
+
+/// The graph of the file's edges; nodes are the vertices in their order. An edge weighs as much as it
+/// knows of its rotation: the trace of that block of its information, relative to the largest.
+fn pose_graph(file: &G2o) -> Result<PoseGraph, Failure> {
+    let vertices = file.vertices.iter().enumerate();
+    let node: HashMap<usize, usize> = vertices.map(|(node, vertex)| (vertex.id, node)).collect();
+    let certainty = |edge: &G2oEdge| edge.information.fixed_view::<3, 3>(3, 3).trace().max(0.0);
+    let largest = file.edges.iter().map(certainty).fold(0.0, f64::max);
+    let weight = |edge: &G2oEdge| match largest {
+        0.0 => 1.0,
+        _ => certainty(edge) / largest,
+    };
+    let edge = |edge: &G2oEdge| PoseEdge {
+        i: node[&edge.i],
+        j: node[&edge.j],
+        i_from_j: edge.i_from_j,
+        weight: weight(edge),
+    };
+    let edges = file.edges.iter().map(edge).collect();
+    Ok(PoseGraph::new(file.vertices.len(), edges)?)
+}
+
+/// How far measured relative poses are off those of the vertices, in ascending order.
+struct Residuals {
+    /// Degrees.
+    rotation: Vec<f64>,
+    /// In the unit of the file.
+    translation: Vec<f64>,
+}
+
+impl Residuals {
+    fn of(graph: &PoseGraph, world_from_scan: &[Isometry3<f64>]) -> Self {
+        let (mut rotation, mut translation) = (Vec::new(), Vec::new());
+        for edge in graph.edges() {
+            let i_from_j = world_from_scan[edge.i].inv_mul(&world_from_scan[edge.j]);
+            let [a, b] =
+                [&edge.i_from_j, &i_from_j].map(|motion| motion.rotation.to_rotation_matrix());
+            rotation.push(angular_distance(&a, &b).to_degrees());
+            let offset = edge.i_from_j.translation.vector - i_from_j.translation.vector;
+            translation.push(offset.norm());
+        }
+        rotation.sort_by(f64::total_cmp);
+        translation.sort_by(f64::total_cmp);
+        Self {
+            rotation,
+            translation,
+        }
+    }
+
+    fn to_json(&self) -> Value {
+        let quantiles = |values| {
+            let [median, high, largest] = quantiles(values);
+            json!({ "median": median, "percentile_95": high, "largest": largest })
+        };
+        json!({
+            "rotation_degrees": quantiles(&self.rotation),
+            "translation": quantiles(&self.translation),
+        })
+    }
+}
+
+/// Median, 95th percentile and maximum of ascending values.
+fn quantiles(values: &[f64]) -> [f64; 3] {
+    let at = |share: f64| (share * values.len() as f64) as usize;
+    [0.5, 0.95, 1.0].map(|share| values[at(share).min(values.len() - 1)])
+}
+
+fn residual_table(before: Option<&Residuals>, after: &Residuals) -> String {
+    let row = |name: &str, residuals: &Residuals| {
+        let degrees = quantiles(&residuals.rotation).map(|value| format!("{value:.3}°"));
+        let lengths = quantiles(&residuals.translation).map(significant);
+        let cells = [name.to_owned()].into_iter().chain(degrees).chain(lengths);
+        cells.collect::<Vec<_>>()
+    };
+    let before = before.map(|residuals| row("before", residuals));
+    let header = [
+        "residuals",
+        "rotation: median",
+        "95 %",
+        "largest",
+        "translation: median",
+        "95 %",
+        "largest",
+    ];
+    table(&header, before.into_iter().chain([row("after", after)]))
+}

@@ -1,0 +1,41 @@
+//! Results back in the coordinates of the files.
+
+use gmpcr::Registration;
+use gmpcr::nalgebra::Isometry3;
+
+use crate::scans::Cloud;
+
+/// Poses and edges between scans in the coordinates of their files.
+///
+/// Registration sees each scan less its origin. With `T_k` the shift by the origin of scan k and `r`
+/// the scan in whose frame the world is, a pose `W_k` becomes `T_r W_k T_k⁻¹`, a relative pose `E_ij`
+/// becomes `T_i E_ij T_j⁻¹`.
+pub struct FileFrames {
+    pub world_from_scan: Vec<Isometry3<f64>>,
+    /// One per edge of the pose graph.
+    pub i_from_j: Vec<Isometry3<f64>>,
+}
+
+impl FileFrames {
+    pub fn of(registration: &Registration, clouds: &[Cloud]) -> Self {
+        let shifts: Vec<_> = clouds.iter().map(Cloud::file_from_points).collect();
+        let poses = registration.world_from_scan.iter().enumerate();
+        let world_from_scan = poses.map(|(scan, pose)| {
+            let label = registration.components.label(scan);
+            let reference = registration.components.members()[label][0];
+            moved(&shifts[reference], pose, &shifts[scan])
+        });
+        let edges = registration.graph.edges().iter();
+        Self {
+            world_from_scan: world_from_scan.collect(),
+            i_from_j: edges
+                .map(|edge| moved(&shifts[edge.i], &edge.i_from_j, &shifts[edge.j]))
+                .collect(),
+        }
+    }
+}
+
+/// `T_a M T_b⁻¹`; unshifted motions keep their bits.
+fn moved(a: &Isometry3<f64>, motion: &Isometry3<f64>, b: &Isometry3<f64>) -> Isometry3<f64> {
+    a * motion * b.inverse()
+}

@@ -1,0 +1,212 @@
+//! `report.html`: one file that shows the result in any browser.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use gmpcr::Registration;
+use gmpcr::nalgebra::{Point3, Vector3};
+use gmpcr_io::distinct_color;
+use serde_json::{Value, json};
+
+use crate::output::Output;
+use crate::result::{EdgeResult, rows};
+
+/// Points of a scan in the picture, at most.
+const MOST_POINTS: usize = 5_000;
+
+/// The page, with everything that it needs inside.
+pub fn report_html(output: &Output) -> String {
+    // A name may hold "</script>", but within a JSON string `<` may also be written like this.
+    let data = data(output).to_string().replace('<', "\\u003c");
+    // Piece by piece: what is inserted may itself look like a place.
+    let mut page = String::new();
+    let mut rest = include_str!("report.html");
+    for (place, content) in [
+        ("/*{{style}}*/", include_str!("report.css")),
+        ("{{data}}", &data),
+        ("/*{{libraries}}*/", include_str!("libraries.min.js")),
+        ("/*{{program}}*/", include_str!("report.js")),
+    ] {
+        let (before, after) = rest
+            .split_once(place)
+            .expect("the page has its places in this order");
+        page.push_str(before);
+        page.push_str(content);
+        rest = after;
+    }
+    page + rest
+}
+
+fn data(output: &Output) -> Value {
+    let result = output.result;
+    let picture = Picture::new(output);
+    let registration = output.registration;
+    let scans = result.scans.iter().enumerate().map(|(k, scan)| {
+        let notices = &mut result.notices.iter();
+        json!({
+            "name": scan.name,
+            "component": scan.component,
+            "color": distinct_color(k),
+            "points": scan.points,
+            "count": picture.positions[k].len() / 3,
+            "positions": STANDARD.encode(bytes(&picture.positions[k])),
+            "attention": notices.any(|notice| notice.scans == [k]),
+        })
+    });
+    let components = registration.components.members().iter().zip(&picture.boxes);
+    let components = components.map(|(scans, part)| {
+        json!({ "scans": scans, "origin": part.origin.as_slice(), "step": part.step })
+    });
+    json!({
+        "title": output.title,
+        "version": format!("gmpcr {}", result.version),
+        "features": result.features,
+        "voxel": result.voxel,
+        "scans": scans.collect::<Vec<_>>(),
+        "components": components.collect::<Vec<_>>(),
+        "poses": registration.world_from_scan.iter().map(rows).collect::<Vec<_>>(),
+        "edges": result.edges.iter().map(edge).collect::<Vec<_>>(),
+        "unresolved": result.unresolved,
+        "confidences": result.confidences.iter().map(|s| rounded(*s)).collect::<Vec<_>>(),
+        "stages": result.stages,
+        "attention": result.notices,
+    })
+}
+
+fn edge(edge: &EdgeResult) -> Value {
+    json!({
+        "i": edge.i,
+        "j": edge.j,
+        "confidence": edge.confidence,
+        "inlier_ratio": edge.inlier_ratio,
+        "correspondences": edge.correspondences,
+        "clique_size": edge.clique_size,
+        "cliques_seen": edge.cliques_seen,
+        "budget_exhausted": edge.budget_exhausted,
+        "initial_weight": edge.initial_weight,
+        "final_weight": edge.final_weight,
+        "rotation_residual": edge.rotation_residual,
+        "translation_residual": edge.translation_residual,
+        "weights": edge.weights.iter().map(|w| rounded(*w)).collect::<Vec<_>>(),
+    })
+}
+
+/// Enough digits for a picture.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+fn bytes(positions: &[u16]) -> Vec<u8> {
+    positions
+        .iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect()
+}
+
+/// Points on a grid of 2^16 steps in the box of their component.
+struct Picture {
+    /// `x y z` of the points of each scan.
+    positions: Vec<Vec<u16>>,
+    boxes: Vec<GridBox>,
+}
+
+/// `world = origin + step · position`.
+struct GridBox {
+    origin: Vector3<f64>,
+    step: f64,
+}
+
+impl Picture {
+    fn new(output: &Output) -> Self {
+        let registration = output.registration;
+        let clouds: Vec<_> = (0..output.input.clouds.len())
+            .map(|scan| shown(&output.input.clouds[scan].points, registration, scan))
+            .collect();
+        let members = registration.components.members().iter();
+        let of_component = |scans: &Vec<usize>| {
+            let points = scans.iter().flat_map(|&scan| clouds[scan].iter());
+            GridBox::around(points.copied().collect())
+        };
+        let boxes: Vec<_> = members.map(of_component).collect();
+        let positions = clouds.iter().enumerate().map(|(scan, points)| {
+            let part = &boxes[registration.components.label(scan)];
+            points
+                .iter()
+                .filter_map(|point| part.position(point))
+                .flatten()
+                .collect()
+        });
+        Self {
+            positions: positions.collect(),
+            boxes,
+        }
+    }
+}
+
+/// Some of the points of a scan, evenly over the file, in the world.
+fn shown(points: &[Point3<f64>], registration: &Registration, scan: usize) -> Vec<Point3<f64>> {
+    let stride = points.len().div_ceil(MOST_POINTS).max(1);
+    let some = points.iter().step_by(stride);
+    some.map(|point| registration.world_from_scan[scan] * point)
+        .collect()
+}
+
+impl GridBox {
+    /// Leaves out what lies farther off than the bulk of the points is wide: a stray return must not
+    /// make the steps coarse.
+    fn around(points: Vec<Point3<f64>>) -> Self {
+        let mut ends = [Vector3::zeros(); 2];
+        for axis in 0..3 {
+            let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
+            values.sort_by(f64::total_cmp);
+            let (Some(&min), Some(&max)) = (values.first(), values.last()) else {
+                break;
+            };
+            let cut = values.len() / 100;
+            let (low, high) = (values[cut], values[values.len() - 1 - cut]);
+            let margin = high - low;
+            ends[0][axis] = min.max(low - margin);
+            ends[1][axis] = max.min(high + margin);
+        }
+        let [origin, end] = ends;
+        Self {
+            origin,
+            step: ((end - origin).max() / f64::from(u16::MAX)).max(f64::MIN_POSITIVE),
+        }
+    }
+
+    fn position(&self, point: &Point3<f64>) -> Option<[u16; 3]> {
+        let steps = ((point.coords - self.origin) / self.step).map(f64::round);
+        let inside = steps
+            .iter()
+            .all(|step| (0.0..=f64::from(u16::MAX)).contains(step));
+        inside.then(|| steps.map(|step| step as u16).into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stray_point_does_not_make_the_picture_coarse() {
+        let mut points: Vec<_> = (0..500)
+            .map(|k| Point3::new(f64::from(k) * 0.01, 1.0, -2.0))
+            .collect();
+        points.push(Point3::new(1e7, 0.0, 0.0));
+        let part = GridBox::around(points.clone());
+        assert!(part.step < 1e-3);
+        for point in &points[..500] {
+            let [x, y, z] = part.position(point).unwrap().map(f64::from);
+            let back = part.origin + Vector3::new(x, y, z) * part.step;
+            assert!((back - point.coords).norm() < part.step);
+        }
+        assert_eq!(part.position(&points[500]), None);
+    }
+
+    #[test]
+    fn nothing_and_a_single_point_have_a_box() {
+        assert!(GridBox::around(Vec::new()).step > 0.0);
+        let point = Point3::new(3.0, -1.0, 2.0);
+        assert_eq!(GridBox::around(vec![point]).position(&point), Some([0; 3]));
+    }
+}

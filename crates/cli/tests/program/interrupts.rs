@@ -1,0 +1,43 @@
+//! Ctrl-C.
+
+#![cfg(unix)]
+
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::common::{Run, Workplace, program, room, write_ply};
+
+#[test]
+fn an_interrupt_ends_the_work_between_two_files() {
+    let place = Workplace::new();
+    let scans = place.create("scans");
+    // Work for seconds: every scan many times.
+    for k in 0..60 {
+        write_ply(&scans.join(format!("scan_{k}.ply")), &room().clouds[k % 6]);
+    }
+    let arguments = ["register", &place.text("scans"), "-o", &place.text("out")];
+    let child = program(&arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    sleep(Duration::from_millis(300));
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let run: Run = child.wait_with_output().unwrap().into();
+    assert_eq!(run.code, Some(130), "{}{}", run.stdout, run.stderr);
+    assert!(run.stderr.contains("interrupted"), "{}", run.stderr);
+    assert!(
+        place
+            .files("out")
+            .iter()
+            .all(|name| !name.ends_with(".part"))
+    );
+}
