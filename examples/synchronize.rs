@@ -1,32 +1,32 @@
-//! Synchronises the relative poses of a g2o file, with the synchronisation crate alone.
+//! Synchronises relative poses, some of which are wrong, with the crates for pose graphs alone.
 //!
 //! ```text
-//! cargo run --release --example synchronize -- GRAPH.g2o [--out RESULT.g2o]
+//! cargo run --release --example synchronize -- --scans 1000 --outliers 0.4 --method consensus
 //! ```
 //!
-//! Every edge starts with the weight 1; initial vertex poses are not used.
+//! Simulates the relative poses, so that the result can be compared with the truth. Pose graphs of
+//! g2o files are synchronised by the program: `gmpcr sync GRAPH.g2o`.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
 use std::error::Error;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
+use gmpcr_eval::{Gauge, PoseError, absolute_errors};
 use gmpcr_examples::report;
-use gmpcr_io::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
 use gmpcr_posegraph::{PoseEdge, PoseGraph};
-use gmpcr_sync::{EdgeReport, Method, SyncParams, synchronize};
-use nalgebra::Isometry3;
+use gmpcr_sim::{PoseGraphSimParams, SimulatedEdge, simulate_pose_graph};
+use gmpcr_sync::{Method, SyncParams, synchronize};
 
 #[derive(Parser)]
-#[command(about = "Synchronises the relative poses of a g2o file")]
+#[command(about = "Synchronises simulated relative poses")]
 struct Arguments {
-    /// Pose graph with EDGE_SE3:QUAT records.
-    graph: PathBuf,
-    /// Where to write the graph with the resulting poses.
-    #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    /// Number of scans.
+    #[arg(long, default_value_t = 100)]
+    scans: usize,
+    /// Share of the relative poses that are wrong.
+    #[arg(long, default_value_t = 0.2)]
+    outliers: f64,
     /// adaptive (the paper), no-recovery, sghr, memoryless, eigse3, l1, l1-irls, rotavg-lhalf,
     /// hara or consensus.
     #[arg(long, default_value = "adaptive")]
@@ -34,6 +34,9 @@ struct Arguments {
     /// Reweighting iterations; 0 trusts all edges alike.
     #[arg(long, default_value_t = 10)]
     iterations: usize,
+    /// Seed of the simulation.
+    #[arg(long, default_value_t = 7)]
+    seed: u64,
 }
 
 fn main() -> ExitCode {
@@ -41,12 +44,20 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let mut file = read_g2o(&arguments.graph)?;
-    complete_vertices(&mut file);
-    let graph = pose_graph(&file)?;
-    if graph.edges().is_empty() {
-        return Err(format!("{}: no edges to synchronise", arguments.graph.display()).into());
-    }
+    let simulated = simulate_pose_graph(&PoseGraphSimParams {
+        seed: arguments.seed,
+        num_scans: arguments.scans,
+        outlier_share: arguments.outliers,
+        ..PoseGraphSimParams::default()
+    })?;
+    let edge = |edge: &SimulatedEdge| PoseEdge {
+        i: edge.i,
+        j: edge.j,
+        i_from_j: edge.i_from_j,
+        weight: edge.weight,
+    };
+    let edges = simulated.edges.iter().map(edge).collect();
+    let graph = PoseGraph::new(arguments.scans, edges)?;
     let params = SyncParams {
         iterations: arguments.iterations,
         method: arguments.method,
@@ -61,68 +72,27 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         graph.edges().len(),
         start.elapsed().as_secs_f64()
     );
-    println!(
-        "components          {:>8}",
-        result.components.members().len()
-    );
-    let residuals = result.reports.iter().map(|report| report.eigen_residual);
-    println!(
-        "eigenvector residual {:>9.1e}",
-        residuals.fold(0.0, f64::max)
-    );
-    let degrees = |edge: &EdgeReport| edge.rotation_residual.map(f64::to_degrees);
-    print_quantiles(
-        "rotation residual, degrees",
-        result.edges.iter().filter_map(degrees).collect(),
-    );
-    let lengths = result
-        .edges
-        .iter()
-        .filter_map(|edge| edge.translation_residual);
-    print_quantiles("translation residual", lengths.collect());
 
-    if let Some(out) = &arguments.out {
-        for (vertex, pose) in file.vertices.iter_mut().zip(&result.world_from_scan) {
-            vertex.world_from_vertex = *pose;
-        }
-        write_g2o(out, &file)?;
-    }
+    let truth = &simulated.world_from_scan;
+    let errors = absolute_errors(&result.world_from_scan, truth, Gauge::LeastAbsolute)?;
+    let mean =
+        |error: fn(&PoseError) -> f64| errors.iter().map(error).sum::<f64>() / errors.len() as f64;
+    println!(
+        "mean rotation error     {:.2}°",
+        mean(PoseError::rotation_degrees)
+    );
+    println!(
+        "mean translation error  {:.3}",
+        mean(|error| error.translation)
+    );
+    let reports = result.edges.iter().zip(&simulated.edges);
+    let distrusted =
+        reports.filter(|(report, _)| report.final_weight < 0.1 * report.initial_weight);
+    let wrong = distrusted.clone().filter(|(_, edge)| !edge.is_inlier);
+    println!(
+        "edges that lost nine tenths of their weight: {}, of which {} are wrong",
+        distrusted.count(),
+        wrong.count()
+    );
     Ok(())
-}
-
-/// Adds the vertices that only edges name, and sorts all by their ids.
-fn complete_vertices(file: &mut G2o) {
-    let known: HashSet<usize> = file.vertices.iter().map(|vertex| vertex.id).collect();
-    let named: BTreeSet<usize> = file
-        .edges
-        .iter()
-        .flat_map(|edge| [edge.i, edge.j])
-        .collect();
-    let missing = named.into_iter().filter(|id| !known.contains(id));
-    file.vertices.extend(missing.map(|id| G2oVertex {
-        id,
-        world_from_vertex: Isometry3::identity(),
-    }));
-    file.vertices.sort_by_key(|vertex| vertex.id);
-}
-
-/// The graph of the file's edges; nodes are the vertices in their order.
-fn pose_graph(file: &G2o) -> Result<PoseGraph, Box<dyn Error>> {
-    let vertices = file.vertices.iter().enumerate();
-    let node: HashMap<usize, usize> = vertices.map(|(node, vertex)| (vertex.id, node)).collect();
-    let edge = |edge: &G2oEdge| PoseEdge {
-        i: node[&edge.i],
-        j: node[&edge.j],
-        i_from_j: edge.i_from_j,
-        weight: 1.0,
-    };
-    let edges = file.edges.iter().map(edge).collect();
-    Ok(PoseGraph::new(file.vertices.len(), edges)?)
-}
-
-fn print_quantiles(name: &str, mut values: Vec<f64>) {
-    values.sort_by(f64::total_cmp);
-    let quantile = |share: f64| values.get((share * values.len() as f64) as usize).copied();
-    let [low, middle, high] = [0.05, 0.5, 0.95].map(|share| quantile(share).unwrap_or(0.0));
-    println!("{name}: 5 % {low:.4}, median {middle:.4}, 95 % {high:.4}");
 }

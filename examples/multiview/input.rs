@@ -9,8 +9,7 @@ use gmpcr::nalgebra::{Isometry3, Point3};
 use gmpcr::{Descriptors, Scan, describe_clouds};
 use gmpcr_eval::GroundTruthPair;
 use gmpcr_io::{
-    DescriptorFiles, Layout, PairList, Scene, SceneScan, SceneTruth, read_descriptors,
-    read_keypoints, read_points, read_scene,
+    DescriptorFiles, Layout, PairList, Scene, SceneScan, SceneTruth, read_points, read_scene,
 };
 use gmpcr_sim::{RoomParams, SimParams, SimulatedScans, overlapping_points, simulate};
 
@@ -160,10 +159,11 @@ fn learned_scans(scans: &[SceneScan]) -> Result<Option<Vec<Scan>>, Box<dyn Error
 }
 
 fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Box<dyn Error>> {
-    let read = read_descriptors(&files.descriptors)?;
-    let named = |error: &dyn Error| format!("{}: {error}", files.descriptors.display());
-    let descriptors = Descriptors::new(read.values, read.dimension).map_err(|e| named(&e))?;
-    Ok(Scan::new(read_keypoints(&files.keypoints)?, descriptors).map_err(|e| named(&e))?)
+    let (points, read) = files.read()?;
+    Ok(Scan::new(
+        points,
+        Descriptors::new(read.values, read.dimension)?,
+    )?)
 }
 
 /// All pairs of simulated scans that overlap, in the classes of 3DMatch and 3DLoMatch.

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Prints the stage times, the edges and, where the truth is known, recalls and errors; writes the
-//! merged cloud, poses and edges.
+//! merged cloud and the poses. All results, and other formats, are those of the program `gmpcr`.
 
 mod evaluation;
 mod input;
@@ -56,7 +56,7 @@ struct Arguments {
     /// memoryless, eigse3, l1, l1-irls, rotavg-lhalf, hara or consensus.
     #[arg(long)]
     method: Option<Method>,
-    /// Where to write merged.ply, poses.txt, poses.tum, edges.csv and posegraph.g2o.
+    /// Where to write merged.ply and poses.txt.
     #[arg(long, default_value = "out", value_name = "DIR")]
     out: PathBuf,
     /// Number of simulated scans.
@@ -128,14 +128,11 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let registration = register(&input.scans, &params)?;
     println!("registered in {:.3} s", start.elapsed().as_secs_f64());
     print_summary(&registration);
-    let num_written = write_results(&arguments.out, &input.clouds, &registration, &params)?;
+    let num_written = write_results(&arguments.out, &input.clouds, &registration)?;
     print_evaluation(&input.truth, &registration)?;
     println!(
-        "\nwrote poses.txt and edges.csv to {}, and",
+        "\nwrote merged.ply and poses.txt with the {num_written} scans of the largest component to {}",
         arguments.out.display()
-    );
-    println!(
-        "merged.ply, poses.tum and posegraph.g2o with the {num_written} scans of the largest component"
     );
     Ok(())
 }

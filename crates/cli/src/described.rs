@@ -5,10 +5,7 @@ use std::time::Duration;
 
 use gmpcr::features::{FeatureParams, estimate_voxel_size};
 use gmpcr::{Descriptors, Scan, describe_cloud};
-use gmpcr_io::{
-    DescriptorFiles, PointFile, Scene, SceneScan, SceneTruth, descriptor_files, read_descriptors,
-    read_keypoints,
-};
+use gmpcr_io::{DescriptorFiles, PointFile, Scene, SceneScan, SceneTruth, descriptor_files};
 use rayon::prelude::*;
 
 use crate::config::Config;
@@ -146,12 +143,11 @@ fn fpfh_scan(cloud: &Cloud, params: &FeatureParams) -> Result<Scan, Failure> {
 }
 
 fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Failure> {
-    let read = read_descriptors(&files.descriptors)?;
-    let named = |reason: String| format!("{}: {reason}", files.descriptors.display());
-    let descriptors =
-        Descriptors::new(read.values, read.dimension).map_err(|error| named(error.to_string()))?;
-    let scan = Scan::new(read_keypoints(&files.keypoints)?, descriptors);
-    Ok(scan.map_err(|error| named(error.to_string()))?)
+    let (points, read) = files.read()?;
+    Ok(Scan::new(
+        points,
+        Descriptors::new(read.values, read.dimension)?,
+    )?)
 }
 
 fn check_dimensions(sets: &[DescriptorFiles], scans: &[Scan]) -> Result<(), Failure> {

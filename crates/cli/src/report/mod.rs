@@ -1,9 +1,10 @@
 //! `report.html`: one file that shows the result in any browser.
 
+use std::f64::consts::FRAC_PI_2;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use gmpcr::Registration;
-use gmpcr::nalgebra::{Point3, Vector3};
+use gmpcr::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use gmpcr_io::distinct_color;
 use serde_json::{Value, json};
 
@@ -63,7 +64,7 @@ fn data(output: &Output) -> Value {
         "voxel": result.voxel,
         "scans": scans.collect::<Vec<_>>(),
         "components": components.collect::<Vec<_>>(),
-        "poses": registration.world_from_scan.iter().map(rows).collect::<Vec<_>>(),
+        "poses": picture.poses.iter().map(rows).collect::<Vec<_>>(),
         "edges": result.edges.iter().map(edge).collect::<Vec<_>>(),
         "unresolved": result.unresolved,
         "confidences": result.confidences.iter().map(|s| rounded(*s)).collect::<Vec<_>>(),
@@ -107,6 +108,8 @@ struct Picture {
     /// `x y z` of the points of each scan.
     positions: Vec<Vec<u16>>,
     boxes: Vec<GridBox>,
+    /// From each scan to the picture.
+    poses: Vec<Isometry3<f64>>,
 }
 
 /// `world = origin + step · position`.
@@ -118,8 +121,10 @@ struct GridBox {
 impl Picture {
     fn new(output: &Output) -> Self {
         let registration = output.registration;
-        let clouds: Vec<_> = (0..output.input.clouds.len())
-            .map(|scan| shown(&output.input.clouds[scan].points, registration, scan))
+        let poses = upright_poses(output);
+        let clouds = output.input.clouds.iter().zip(&poses);
+        let clouds: Vec<_> = clouds
+            .map(|(cloud, pose)| shown(&cloud.points, pose))
             .collect();
         let members = registration.components.members().iter();
         let of_component = |scans: &Vec<usize>| {
@@ -138,15 +143,44 @@ impl Picture {
         Self {
             positions: positions.collect(),
             boxes,
+            poses,
         }
     }
 }
 
-/// Some of the points of a scan, evenly over the file, in the world.
-fn shown(points: &[Point3<f64>], registration: &Registration, scan: usize) -> Vec<Point3<f64>> {
+/// The poses, with z upwards: the picture turns about z.
+///
+/// The world has the axes of its first scan. Laser scans have their z upwards, cameras their y
+/// downwards and z to the front.
+fn upright_poses(output: &Output) -> Vec<Isometry3<f64>> {
+    let registration = output.registration;
+    let mut poses = registration.world_from_scan.clone();
+    for scans in registration.components.members() {
+        if is_of_camera(&output.input.clouds[scans[0]].points) {
+            let upright = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -FRAC_PI_2);
+            for &scan in scans {
+                poses[scan] = upright * poses[scan];
+            }
+        }
+    }
+    poses
+}
+
+/// Whether points lie in a cone before a camera: all but a hundredth within 56° of the z axis.
+fn is_of_camera(points: &[Point3<f64>]) -> bool {
+    let inside = points
+        .iter()
+        .filter(|point| point.x.hypot(point.y) < 1.5 * point.z);
+    100 * inside.count() > 99 * points.len()
+}
+
+/// Some of the points of a scan, evenly over the file, in the picture.
+fn shown(points: &[Point3<f64>], pose: &Isometry3<f64>) -> Vec<Point3<f64>> {
     let stride = points.len().div_ceil(MOST_POINTS).max(1);
-    let some = points.iter().step_by(stride);
-    some.map(|point| registration.world_from_scan[scan] * point)
+    points
+        .iter()
+        .step_by(stride)
+        .map(|point| pose * point)
         .collect()
 }
 
@@ -201,6 +235,18 @@ mod tests {
             assert!((back - point.coords).norm() < part.step);
         }
         assert_eq!(part.position(&points[500]), None);
+    }
+
+    #[test]
+    fn cameras_look_along_z_and_lasers_around() {
+        let grid = |k: i32| (f64::from(k % 10) - 4.5, f64::from(k / 10) - 4.5);
+        let wall: Vec<_> = (0..100)
+            .map(grid)
+            .map(|(x, y)| Point3::new(x, y, 8.0))
+            .collect();
+        let floor: Vec<_> = wall.iter().map(|p| Point3::new(p.x, p.y, -1.5)).collect();
+        assert!(is_of_camera(&wall));
+        assert!(!is_of_camera(&floor));
     }
 
     #[test]

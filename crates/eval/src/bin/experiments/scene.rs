@@ -8,7 +8,7 @@ use std::time::{Duration, Instant, UNIX_EPOCH};
 use gmpcr::features::FeatureParams;
 use gmpcr::{Descriptors, Params, Scan, describe_clouds};
 use gmpcr_eval::{GroundTruthPair, Protocol};
-use gmpcr_io::{DescriptorFiles, Layout, PairList, read_descriptors, read_keypoints, read_points};
+use gmpcr_io::{DescriptorFiles, Layout, PairList, read_points};
 use nalgebra::{DMatrix, Isometry3, Matrix6, Point3};
 
 use crate::arguments::Arguments;
@@ -300,12 +300,11 @@ impl SceneSource {
 }
 
 fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Box<dyn Error>> {
-    let named = |error: &dyn Error| format!("{}: {error}", files.descriptors.display());
-    let read = read_descriptors(&files.descriptors)?;
-    let descriptors =
-        Descriptors::new(read.values, read.dimension).map_err(|error| named(&error))?;
-    let points = read_keypoints(&files.keypoints)?;
-    Ok(Scan::new(points, descriptors).map_err(|error| named(&error))?)
+    let (points, read) = files.read()?;
+    Ok(Scan::new(
+        points,
+        Descriptors::new(read.values, read.dimension)?,
+    )?)
 }
 
 /// The list of 3DMatch, which its own release names `gt`, leaves consecutive pairs out; others count
