@@ -3,7 +3,7 @@
 use gmpcr::{EdgeEvidence, Params, Registration};
 use serde::{Deserialize, Serialize};
 
-use crate::links::{bridges, trusted_parts};
+use crate::links::{Bridge, Links};
 use crate::scans::Cloud;
 use crate::table::significant;
 
@@ -97,9 +97,10 @@ impl View<'_> {
 
     /// Parts of a frame that only distrusted edges join.
     fn loose_parts(&self) -> Vec<Notice> {
+        let links = Links::of(self.registration);
         let mut notices = Vec::new();
         for component in self.registration.components.members() {
-            let mut parts = trusted_parts(self.registration, component);
+            let mut parts = links.trusted_parts(component);
             if parts.len() < 2 {
                 continue;
             }
@@ -118,21 +119,28 @@ impl View<'_> {
         notices
     }
 
+    /// Parts that a single trusted edge joins to the rest.
     fn single_links(&self) -> Vec<Notice> {
-        let notice = |edge: usize| {
-            let EdgeEvidence { i, j, .. } = self.registration.evidence[edge];
+        let notice = |bridge: Bridge| {
+            let edge = &self.registration.evidence[bridge.edge];
             Notice {
-                scans: vec![i, j],
+                scans: vec![edge.i, edge.j],
                 text: format!(
-                    "{} and {} are joined by a single trusted edge: nothing confirms it ({})",
-                    self.name(i),
-                    self.name(j),
-                    strength(&self.registration.evidence[edge])
+                    "{} {} on a single trusted edge, {} – {} ({}): nothing confirms it",
+                    self.names(&bridge.part),
+                    if bridge.part.len() == 1 {
+                        "hangs"
+                    } else {
+                        "hang"
+                    },
+                    self.name(edge.i),
+                    self.name(edge.j),
+                    strength(edge)
                 ),
             }
         };
-        let edges = bridges(self.registration);
-        edges.into_iter().map(notice).collect()
+        let bridges = Links::of(self.registration).bridges();
+        bridges.into_iter().map(notice).collect()
     }
 
     /// Edges that lost more than half of their weight and disagree with the result by more than the

@@ -1,5 +1,6 @@
 //! A bar for each stage, what the user should know meanwhile, and whether Ctrl-C was pressed.
 
+use std::fmt;
 use std::io::Write;
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use gmpcr::{Observer, Stage};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::outcome::Failure;
 
@@ -88,15 +89,20 @@ impl Progress {
             return;
         }
         *bar = ProgressBar::new(num_items as u64).with_message(name);
-        let template = "{msg:16} {bar:30} {pos:>6}/{len:<6} {per_sec:>12}  {elapsed} (eta {eta})";
+        let template = "{msg:16} {bar:20} {pos:>6}/{len:<6} {rate:>9} {elapsed:>4}, {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
+            bar.set_style(style.with_key("rate", write_rate));
         }
     }
 
     fn lock(&self) -> MutexGuard<'_, ProgressBar> {
         self.bar.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+fn write_rate(state: &ProgressState, text: &mut dyn fmt::Write) {
+    // A bar without its rate is still a bar.
+    let _ = write!(text, "{:.0}/s", state.per_sec());
 }
 
 impl Observer for Progress {

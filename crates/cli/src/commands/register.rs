@@ -11,7 +11,7 @@ use crate::attention::{main_component, notices};
 use crate::config::Config;
 use crate::described::{DescribedScans, WorkingVoxel};
 use crate::georeference::FileFrames;
-use crate::links::weakest_links;
+use crate::links::Links;
 use crate::outcome::{Answer, Failure};
 use crate::output::{FILES, Output, prepare};
 use crate::progress::Progress;
@@ -112,7 +112,7 @@ fn summary(
             edge_table(result, 0..result.edges.len())
         );
     } else {
-        let weakest = weakest_links(registration).into_iter().take(5);
+        let weakest = Links::of(registration).weakest().into_iter().take(5);
         let _ = write!(text, "\nweakest links\n{}", edge_table(result, weakest));
     }
     if !result.notices.is_empty() {
