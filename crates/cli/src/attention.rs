@@ -7,12 +7,30 @@ use crate::links::{Bridge, Links};
 use crate::scans::Cloud;
 use crate::table::significant;
 
-/// A remark on a scan or an edge.
+/// A remark on scans or an edge.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Notice {
-    /// The scan, or the two of the edge; more where many share a fate.
+    pub kind: NoticeKind,
+    /// The scans that it concerns.
     pub scans: Vec<usize>,
+    /// The edge that it concerns.
+    pub edge: Option<(usize, usize)>,
     pub text: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NoticeKind {
+    /// A scan shares its frame with no other.
+    Alone,
+    /// Scans share a frame, but not the largest one.
+    Frame,
+    /// Scans of a frame that only distrusted edges join to the rest.
+    Loose,
+    /// Scans of a frame that a single edge joins to the rest.
+    Bridge,
+    /// An edge that the result contradicts.
+    Contradiction,
 }
 
 /// All remarks, the gravest kind first.
@@ -48,7 +66,9 @@ impl View<'_> {
         let members = self.registration.components.members();
         let alone = members.iter().filter(|scans| scans.len() == 1);
         let notice = |scans: &Vec<usize>| Notice {
+            kind: NoticeKind::Alone,
             scans: scans.clone(),
+            edge: None,
             text: format!(
                 "{} is not registered: {}",
                 self.name(scans[0]),
@@ -86,7 +106,9 @@ impl View<'_> {
         let members = self.registration.components.members().iter().enumerate();
         let others = members.filter(|&(label, scans)| label != main && scans.len() > 1);
         let notice = |(_, scans): (usize, &Vec<usize>)| Notice {
+            kind: NoticeKind::Frame,
             scans: scans.clone(),
+            edge: None,
             text: format!(
                 "{} share a frame of their own: no edge joins them to the largest one",
                 self.names(scans)
@@ -107,6 +129,8 @@ impl View<'_> {
             parts.sort_by_key(|part| part.len());
             parts.pop();
             notices.extend(parts.into_iter().map(|part| Notice {
+                kind: NoticeKind::Loose,
+                edge: None,
                 text: format!(
                     "{} may be misplaced as a whole: only edges that lost nine tenths of their weight join \
                      {} to the rest",
@@ -119,43 +143,52 @@ impl View<'_> {
         notices
     }
 
-    /// Parts that a single trusted edge joins to the rest.
+    /// Parts that a single edge joins to the rest, those of the least support first. Two scans alone
+    /// cannot be more than that to each other.
     fn single_links(&self) -> Vec<Notice> {
+        let edge = |bridge: &Bridge| &self.registration.evidence[bridge.edge];
         let notice = |bridge: Bridge| {
-            let edge = &self.registration.evidence[bridge.edge];
+            let EdgeEvidence { i, j, .. } = *edge(&bridge);
             Notice {
-                scans: vec![edge.i, edge.j],
+                kind: NoticeKind::Bridge,
+                edge: Some((i, j)),
                 text: format!(
-                    "{} {} on a single trusted edge, {} – {} ({}): nothing confirms it",
+                    "only the edge {} – {} ({}) holds {} in place: nothing confirms where {} to be",
+                    self.name(i),
+                    self.name(j),
+                    strength(edge(&bridge)),
                     self.names(&bridge.part),
                     if bridge.part.len() == 1 {
-                        "hangs"
+                        "it has"
                     } else {
-                        "hang"
-                    },
-                    self.name(edge.i),
-                    self.name(edge.j),
-                    strength(edge)
+                        "they have"
+                    }
                 ),
+                scans: bridge.part,
             }
         };
-        let bridges = Links::of(self.registration).bridges();
+        let components = &self.registration.components;
+        let size = |scan: usize| components.members()[components.label(scan)].len();
+        let mut bridges = Links::of(self.registration).bridges();
+        bridges.retain(|bridge| size(bridge.part[0]) > 2);
+        bridges.sort_by(|a, b| edge(a).inlier_ratio.total_cmp(&edge(b).inlier_ratio));
         bridges.into_iter().map(notice).collect()
     }
 
     /// Edges that lost more than half of their weight and disagree with the result by more than the
-    /// noise of a good motion, the heaviest loss first.
+    /// noise of a good motion: those of the heaviest loss.
     fn contradictions(&self) -> Vec<Notice> {
-        const MOST: usize = 10;
+        const MOST: usize = 5;
         let lost = |edge: &EdgeEvidence| edge.initial_weight - edge.final_weight;
         let evidence = self.registration.evidence.iter();
         let mut edges: Vec<_> = evidence.filter(|edge| self.is_contradicted(edge)).collect();
         edges.sort_by(|a, b| lost(b).total_cmp(&lost(a)));
         let notice = |edge: &&EdgeEvidence| Notice {
+            kind: NoticeKind::Contradiction,
             scans: vec![edge.i, edge.j],
+            edge: Some((edge.i, edge.j)),
             text: format!(
-                "{} and {} look alike ({}), but the motion between them is off the result by {}: two \
-                 similar places?",
+                "the motion between {} and {} ({}) is off the result by {}: two similar places?",
                 self.name(edge.i),
                 self.name(edge.j),
                 strength(edge),
@@ -207,9 +240,8 @@ fn offset(edge: &EdgeEvidence) -> String {
 
 fn strength(edge: &EdgeEvidence) -> String {
     format!(
-        "confidence {:.2}, {:.0} % of {} correspondences explained",
+        "confidence {:.3}, {:.0} % inliers",
         edge.confidence,
-        100.0 * edge.inlier_ratio,
-        edge.num_correspondences
+        100.0 * edge.inlier_ratio
     )
 }

@@ -1,7 +1,5 @@
 //! What holds the scans of a frame together, and how firmly.
 
-use std::cmp::Reverse;
-
 use gmpcr::posegraph::Components;
 use gmpcr::{EdgeEvidence, Registration};
 
@@ -61,7 +59,7 @@ impl<'a> Links<'a> {
         positions
     }
 
-    /// The bridges among the trusted edges, those of larger parts first.
+    /// The bridges among the trusted edges, in the order of [`Self::weakest`].
     pub fn bridges(&self) -> Vec<Bridge> {
         // Only edges of a spanning forest can be bridges.
         let mut candidates = self.weakest();
@@ -76,9 +74,7 @@ impl<'a> Links<'a> {
                 part: smaller.clone(),
             })
         };
-        let mut bridges: Vec<_> = candidates.into_iter().filter_map(bridge).collect();
-        bridges.sort_by_key(|bridge| Reverse(bridge.part.len()));
-        bridges
+        candidates.into_iter().filter_map(bridge).collect()
     }
 
     /// The parts into which a component (scans in ascending order) falls without distrusted edges.

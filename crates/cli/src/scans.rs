@@ -93,12 +93,17 @@ fn likely_viewpoint(origin: &Vector3<f64>) -> Point3<f64> {
     Point3::from(Vector3::new(0.3, 0.5, 0.8) * origin.norm())
 }
 
-/// The files of folders and files, in order.
+/// The files of folders and files, in order. What `gmpcr register` has written into a folder of scans is no
+/// scan.
 pub fn files_of(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for input in inputs {
         if input.is_dir() {
-            files.extend(scan_files(input)?);
+            let mut scans = scan_files(input)?;
+            if input.join("result.json").exists() {
+                scans.retain(|file| !file.ends_with("merged.ply"));
+            }
+            files.extend(scans);
         } else if input.exists() {
             files.push(input.clone());
         } else {

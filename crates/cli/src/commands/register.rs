@@ -7,7 +7,7 @@ use gmpcr::{Error, Registration, register_observed};
 use serde_json::json;
 
 use crate::arguments::RegisterArguments;
-use crate::attention::{main_component, notices};
+use crate::attention::{NoticeKind, main_component, notices};
 use crate::config::Config;
 use crate::described::{DescribedScans, WorkingVoxel};
 use crate::georeference::FileFrames;
@@ -15,7 +15,7 @@ use crate::links::Links;
 use crate::outcome::{Answer, Failure};
 use crate::output::{FILES, Output, prepare};
 use crate::progress::Progress;
-use crate::result::ResultFile;
+use crate::result::{EdgeResult, ResultFile};
 use crate::table::{significant, table};
 
 pub fn run(
@@ -149,6 +149,7 @@ fn overview(registration: &Registration, input: &DescribedScans, result: &Result
             format!("{largest} of {}", input.clouds.len()),
         ),
         ("components", components.len().to_string()),
+        ("on a single edge", on_single_edges(result)),
         (
             "edges",
             format!(
@@ -172,6 +173,24 @@ fn overview(registration: &Registration, input: &DescribedScans, result: &Result
         let _ = writeln!(text, "{name:<19} {value}");
     }
     text
+}
+
+/// How many scans are where they are because of one edge, which nothing confirms.
+fn on_single_edges(result: &ResultFile) -> String {
+    let bridges = result
+        .notices
+        .iter()
+        .filter(|notice| notice.kind == NoticeKind::Bridge);
+    let mut scans: Vec<usize> = bridges
+        .flat_map(|notice| notice.scans.iter().copied())
+        .collect();
+    scans.sort_unstable();
+    scans.dedup();
+    match scans.len() {
+        0 => "no scan".into(),
+        1 => "1 scan".into(),
+        n => format!("{n} scans"),
+    }
 }
 
 fn scan_table(result: &ResultFile) -> String {
@@ -200,9 +219,20 @@ fn edge_table(result: &ResultFile, positions: impl IntoIterator<Item = usize>) -
         "after",
         "off by",
     ];
+    // The result follows a single edge wherever it leads.
+    let is_bridge = |edge: &EdgeResult| {
+        let bridges = result
+            .notices
+            .iter()
+            .filter(|notice| notice.kind == NoticeKind::Bridge);
+        bridges
+            .into_iter()
+            .any(|notice| notice.edge == Some((edge.i, edge.j)))
+    };
     let rows = positions.into_iter().map(|position| {
         let edge = &result.edges[position];
         let residual = edge.rotation_residual.zip(edge.translation_residual);
+        let residual = residual.filter(|_| !is_bridge(edge));
         [
             format!(
                 "{} – {}",

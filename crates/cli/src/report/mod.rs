@@ -8,6 +8,7 @@ use gmpcr::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use gmpcr_io::distinct_color;
 use serde_json::{Value, json};
 
+use crate::attention::NoticeKind;
 use crate::output::Output;
 use crate::result::{EdgeResult, rows};
 
@@ -42,7 +43,10 @@ fn data(output: &Output) -> Value {
     let picture = Picture::new(output);
     let registration = output.registration;
     let scans = result.scans.iter().enumerate().map(|(k, scan)| {
-        let notices = &mut result.notices.iter();
+        let mut grave = result
+            .notices
+            .iter()
+            .filter(|notice| notice.kind != NoticeKind::Contradiction);
         json!({
             "name": scan.name,
             "component": scan.component,
@@ -50,7 +54,7 @@ fn data(output: &Output) -> Value {
             "points": scan.points,
             "count": picture.positions[k].len() / 3,
             "positions": STANDARD.encode(bytes(&picture.positions[k])),
-            "attention": notices.any(|notice| notice.scans == [k]),
+            "attention": grave.any(|notice| notice.scans.contains(&k)),
         })
     });
     let components = registration.components.members().iter().zip(&picture.boxes);
@@ -62,6 +66,7 @@ fn data(output: &Output) -> Value {
         "version": format!("gmpcr {}", result.version),
         "features": result.features,
         "voxel": result.voxel,
+        "voxel_is_estimated": result.voxel_is_estimated,
         "scans": scans.collect::<Vec<_>>(),
         "components": components.collect::<Vec<_>>(),
         "poses": picture.poses.iter().map(rows).collect::<Vec<_>>(),
@@ -128,8 +133,10 @@ impl Picture {
             .collect();
         let members = registration.components.members().iter();
         let of_component = |scans: &Vec<usize>| {
-            let points = scans.iter().flat_map(|&scan| clouds[scan].iter());
-            GridBox::around(points.copied().collect())
+            let bounds = scans
+                .iter()
+                .filter_map(|&scan| Bounds::of_bulk(&clouds[scan]));
+            GridBox::of(bounds.reduce(Bounds::union))
         };
         let boxes: Vec<_> = members.map(of_component).collect();
         let positions = clouds.iter().enumerate().map(|(scan, points)| {
@@ -184,27 +191,48 @@ fn shown(points: &[Point3<f64>], pose: &Isometry3<f64>) -> Vec<Point3<f64>> {
         .collect()
 }
 
-impl GridBox {
-    /// Leaves out what lies farther off than the bulk of the points is wide: a stray return must not
-    /// make the steps coarse.
-    fn around(points: Vec<Point3<f64>>) -> Self {
-        let mut ends = [Vector3::zeros(); 2];
+/// A box along the axes.
+struct Bounds {
+    min: Vector3<f64>,
+    max: Vector3<f64>,
+}
+
+impl Bounds {
+    /// The box of a scan without what lies farther off than the bulk of its points is wide: a stray
+    /// return must not make the picture coarse.
+    fn of_bulk(points: &[Point3<f64>]) -> Option<Self> {
+        let mut bounds = Self {
+            min: points.first()?.coords,
+            max: points.first()?.coords,
+        };
         for axis in 0..3 {
             let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
             values.sort_by(f64::total_cmp);
-            let (Some(&min), Some(&max)) = (values.first(), values.last()) else {
-                break;
-            };
-            let cut = values.len() / 100;
-            let (low, high) = (values[cut], values[values.len() - 1 - cut]);
-            let margin = high - low;
-            ends[0][axis] = min.max(low - margin);
-            ends[1][axis] = max.min(high + margin);
+            let last = values.len() - 1;
+            let cut = values.len() / 50;
+            let (low, high) = (values[cut], values[last - cut]);
+            bounds.min[axis] = values[0].max(2.0 * low - high);
+            bounds.max[axis] = values[last].min(2.0 * high - low);
         }
-        let [origin, end] = ends;
+        Some(bounds)
+    }
+
+    fn union(self, other: Self) -> Self {
+        Self {
+            min: self.min.inf(&other.min),
+            max: self.max.sup(&other.max),
+        }
+    }
+}
+
+impl GridBox {
+    fn of(bounds: Option<Bounds>) -> Self {
+        let (origin, extent) = bounds.map_or((Vector3::zeros(), 0.0), |bounds| {
+            (bounds.min, (bounds.max - bounds.min).max())
+        });
         Self {
             origin,
-            step: ((end - origin).max() / f64::from(u16::MAX)).max(f64::MIN_POSITIVE),
+            step: (extent / f64::from(u16::MAX)).max(f64::MIN_POSITIVE),
         }
     }
 
@@ -221,13 +249,17 @@ impl GridBox {
 mod tests {
     use super::*;
 
+    fn wall(height: f64) -> Vec<Point3<f64>> {
+        (0..500)
+            .map(|k| Point3::new(f64::from(k) * 0.01, 1.0, height))
+            .collect()
+    }
+
     #[test]
     fn a_stray_point_does_not_make_the_picture_coarse() {
-        let mut points: Vec<_> = (0..500)
-            .map(|k| Point3::new(f64::from(k) * 0.01, 1.0, -2.0))
-            .collect();
+        let mut points = wall(-2.0);
         points.push(Point3::new(1e7, 0.0, 0.0));
-        let part = GridBox::around(points.clone());
+        let part = GridBox::of(Bounds::of_bulk(&points));
         assert!(part.step < 1e-3);
         for point in &points[..500] {
             let [x, y, z] = part.position(point).unwrap().map(f64::from);
@@ -235,6 +267,27 @@ mod tests {
             assert!((back - point.coords).norm() < part.step);
         }
         assert_eq!(part.position(&points[500]), None);
+    }
+
+    #[test]
+    fn a_misplaced_scan_stays_in_the_picture() {
+        let [many, one] = [wall(0.0), wall(90.0)].map(|points| Bounds::of_bulk(&points));
+        let part = GridBox::of(many.into_iter().chain(one).reduce(Bounds::union));
+        assert!(
+            wall(90.0)
+                .iter()
+                .all(|point| part.position(point).is_some())
+        );
+    }
+
+    #[test]
+    fn nothing_and_a_single_point_have_a_box() {
+        assert!(GridBox::of(None).step > 0.0);
+        let point = Point3::new(3.0, -1.0, 2.0);
+        assert_eq!(
+            GridBox::of(Bounds::of_bulk(&[point])).position(&point),
+            Some([0; 3])
+        );
     }
 
     #[test]
@@ -247,12 +300,5 @@ mod tests {
         let floor: Vec<_> = wall.iter().map(|p| Point3::new(p.x, p.y, -1.5)).collect();
         assert!(is_of_camera(&wall));
         assert!(!is_of_camera(&floor));
-    }
-
-    #[test]
-    fn nothing_and_a_single_point_have_a_box() {
-        assert!(GridBox::around(Vec::new()).step > 0.0);
-        let point = Point3::new(3.0, -1.0, 2.0);
-        assert_eq!(GridBox::around(vec![point]).position(&point), Some([0; 3]));
     }
 }

@@ -1,6 +1,6 @@
 //! Real scans, where they are there, without any option.
 
-use crate::common::{Run, Workplace, real_data};
+use crate::common::{Run, Workplace, program, real_data};
 
 fn recall(result: &str, truth: &str, list: &str) -> f64 {
     let json = Run::ending_with(0, &["eval", result, truth, "--json"]).json();
@@ -32,4 +32,30 @@ fn an_object_is_registered_by_the_same_command() {
     let result = place.text("out/result.json");
     let truth = folder.join("gt_3dmatch.log");
     assert!(recall(&result, truth.to_str().unwrap(), "gt_3dmatch") > 0.7);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn sixty_fragments_need_less_than_300_megabytes() {
+    let Some(folder) = real_data("redkitchen") else {
+        return;
+    };
+    let place = Workplace::new();
+    let arguments = ["register", folder.to_str().unwrap(), "-q", "-o"];
+    let mut child = program(&[&arguments[..], &[&place.text("out")]].concat())
+        .spawn()
+        .unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut peak_kilobytes = 0;
+    while child.try_wait().unwrap().is_none() {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let peak = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kilobytes = peak.and_then(|peak| peak.trim().trim_end_matches(" kB").parse().ok());
+        peak_kilobytes = kilobytes.unwrap_or(peak_kilobytes);
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    assert!(
+        (20_000..300_000).contains(&peak_kilobytes),
+        "{peak_kilobytes} kB"
+    );
 }

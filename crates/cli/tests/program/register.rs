@@ -209,3 +209,12 @@ fn files_may_be_named_one_by_one() {
     assert_eq!(result["scans"][0]["name"], "scan_3.ply");
     assert_close(&poses(&result), &truth);
 }
+
+#[test]
+fn results_among_the_scans_are_not_taken_for_scans() {
+    let place = Workplace::with_scans();
+    for _ in 0..2 {
+        let result = place.register(0, "scans", "scans", &[]);
+        assert_eq!(result["scans"].as_array().unwrap().len(), 6);
+    }
+}
