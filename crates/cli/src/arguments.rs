@@ -30,7 +30,7 @@ pub struct Verbosity {
     /// Print errors only.
     #[arg(short, long, global = true, conflicts_with_all = ["verbose", "json"])]
     pub quiet: bool,
-    /// Print every scan and every edge.
+    /// Print more: every scan, every edge.
     #[arg(short, long, global = true, conflicts_with = "json")]
     pub verbose: bool,
     /// Print the result as JSON, for scripts.
@@ -77,7 +77,7 @@ pub struct RegisterArguments {
     #[command(flatten)]
     pub tuning: Tuning,
     /// Keep one point per voxel of each scan in merged.ply; without SIZE, of the working voxel.
-    #[arg(long, value_name = "SIZE", num_args = 0..=1, value_parser = positive)]
+    #[arg(long, value_name = "SIZE", num_args = 0..=1, require_equals = true, value_parser = positive)]
     pub thin: Option<Option<f64>>,
 }
 
@@ -107,9 +107,9 @@ pub struct SyncArguments {
     /// hara or consensus.
     #[arg(long, default_value = "adaptive")]
     pub method: Method,
-    /// Reweighting iterations; 0 trusts all edges alike.
-    #[arg(long, default_value_t = 10)]
-    pub iterations: usize,
+    /// Reweighting iterations, up to 100000; 0 trusts all edges alike.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(..=100_000))]
+    pub iterations: u32,
 }
 
 #[derive(Args)]
@@ -131,6 +131,12 @@ pub struct EvalArguments {
     /// absolute poses as TUM, KITTI or rows of 3×4 matrices; or the folder of a benchmark's scene.
     #[arg(value_name = "TRUTH")]
     pub truth: PathBuf,
+    /// A pair counts as registered within this angle (degrees) …
+    #[arg(long, value_name = "DEGREES", default_value_t = 15.0, value_parser = positive)]
+    pub max_rotation: f64,
+    /// … and this length in the unit of the scans; the default is meant for rooms in metres.
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.3, value_parser = positive)]
+    pub max_translation: f64,
 }
 
 #[derive(Args)]
@@ -143,7 +149,7 @@ pub struct ParamsArguments {
 /// Parameters: a preset, then the file, then single ones.
 #[derive(Args)]
 pub struct Tuning {
-    /// Parameters of the paper for one of its datasets.
+    /// Parameters of the paper for one of its datasets; threedlomatch suits scans of little overlap.
     #[arg(long, value_enum, default_value_t = Preset::Threedmatch)]
     pub preset: Preset,
     /// Working voxel in the unit of the scans, instead of the estimated one. All lengths follow it.

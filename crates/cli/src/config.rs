@@ -65,9 +65,37 @@ impl Config {
         for assignment in &tuning.set {
             config.assign(assignment)?;
         }
-        let params = config.params(1.0);
-        params.validate().map_err(|error| error.to_string())?;
+        config.check()?;
         Ok(config)
+    }
+
+    /// Checks ranges, in the names and units of the keys.
+    fn check(&self) -> Result<(), Failure> {
+        for (name, length) in [
+            ("features.normal_radius", self.normal_radius),
+            ("features.descriptor_radius", self.descriptor_radius),
+        ] {
+            if !(1e-3..=1e3).contains(&length) {
+                return Err(
+                    format!("{name} is {length}: it must be from 0.001 to 1000 voxels").into(),
+                );
+            }
+        }
+        for (name, count) in [
+            ("features.normal_neighbors", self.normal_neighbors),
+            ("features.descriptor_neighbors", self.descriptor_neighbors),
+        ] {
+            if count == 0 {
+                return Err(format!("{name} is 0: it must be at least 1").into());
+            }
+        }
+        let params = self.params(1.0);
+        if params.sync.residual_scale <= 0.0 {
+            let degrees = rounded(params.sync.residual_scale.to_degrees());
+            return Err(format!("sync.residual_scale is {degrees}: it must be positive").into());
+        }
+        let outcome = params.validate();
+        Ok(outcome.map_err(|error| error.to_string().replace("sync.method.", "sync."))?)
     }
 
     fn preset(preset: Preset) -> Self {
@@ -113,12 +141,8 @@ impl Config {
 
     /// The method, an adaptive one with the history's parameters.
     fn method(&self) -> Method {
-        let mut history = self.history;
-        if self.method.name() == "no-recovery" {
-            history.recovery = 0.0;
-        }
         match self.method {
-            Method::HistoryAware(History::Adaptive(_)) => History::Adaptive(history).into(),
+            Method::HistoryAware(History::Adaptive(_)) => History::Adaptive(self.history).into(),
             other => other,
         }
     }
@@ -151,11 +175,7 @@ impl Config {
 
     fn set(&mut self, name: &str, value: &Value) -> Result<(), String> {
         let Some(key) = KEYS.iter().find(|key| key.name == name) else {
-            let names: Vec<_> = KEYS.iter().map(|key| key.name).collect();
-            return Err(format!(
-                "there is no parameter {name}; there are {}",
-                names.join(", ")
-            ));
+            return Err(unknown_key(name));
         };
         let wanted = |what: &str| format!("{name} is {value}, but must be {what}");
         let number = || match value {
@@ -184,6 +204,9 @@ impl Config {
             Access::Method => {
                 let name = value.as_str().ok_or_else(|| wanted("a name"))?;
                 self.method = name.parse().map_err(|unknown| format!("{unknown}"))?;
+                if self.method.name() == "no-recovery" {
+                    self.history.recovery = 0.0;
+                }
             }
         }
         Ok(())
@@ -230,6 +253,18 @@ impl Config {
         });
         serde_json::Value::Object(values.collect())
     }
+}
+
+/// Names the parameters of the same section, or of the same name in another one.
+fn unknown_key(name: &str) -> String {
+    let parts: Vec<_> = name.split('.').filter(|part| !part.is_empty()).collect();
+    let is_alike = |key: &&Key| parts.iter().any(|part| key.name.contains(part));
+    let alike: Vec<_> = KEYS.iter().filter(is_alike).map(|key| key.name).collect();
+    let meant = match alike.as_slice() {
+        [] => String::new(),
+        _ => format!("is one of these meant: {}? ", alike.join(", ")),
+    };
+    format!("there is no parameter {name}; {meant}`gmpcr params` prints all")
 }
 
 /// Angles are in degrees outside and in radians inside; the way there and back costs a last digit.
@@ -442,7 +477,7 @@ mod tests {
             ("neighbors", "NAME=VALUE is needed"),
             (
                 "neighbors=3",
-                "there is no parameter neighbors; there are voxel,",
+                "no parameter neighbors; is one of these meant: features.normal_neighbors,",
             ),
             (
                 "posegraph.neighbors=-1",
@@ -458,6 +493,12 @@ mod tests {
                 "sync.method=best",
                 "no synchronisation method is named \"best\"",
             ),
+            (
+                "features.normal_radius=-1",
+                "is -1: it must be from 0.001 to 1000 voxels",
+            ),
+            ("sync.residual_scale=-5", "is -5: it must be positive"),
+            ("sync.max_memory=1", "parameter sync.max_memory is 1"),
             (
                 "compatibility.retained_fraction=1.5",
                 "it must be in (0, 1]",

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use gmpcr::features::{FeatureParams, estimate_voxel_size};
+use gmpcr::features::{FPFH_DIMENSION, FeatureParams, describe, estimate_voxel_size};
 use gmpcr::{Descriptors, Scan, describe_cloud};
 use gmpcr_io::{DescriptorFiles, PointFile, Scene, SceneScan, SceneTruth, descriptor_files};
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::config::Config;
 use crate::outcome::Failure;
 use crate::progress::Progress;
-use crate::scans::{Cloud, files_of, read_clouds};
+use crate::scans::{Cloud, localize_georeferenced, read_clouds};
 
 /// Scans ready to be registered.
 pub struct DescribedScans {
@@ -33,19 +33,21 @@ pub struct WorkingVoxel {
 }
 
 impl DescribedScans {
-    /// Scans described by FPFH.
+    /// Scans of files, described by FPFH.
     pub fn by_fpfh(
-        inputs: &[PathBuf],
+        files: &[PathBuf],
         config: &Config,
         progress: &Progress,
     ) -> Result<Self, Failure> {
-        let (clouds, reading) = read(&files_of(inputs)?, progress)?;
+        let (mut clouds, reading) = read(files, progress)?;
         let (voxel, estimation) = WorkingVoxel::of(&clouds, config, progress)?;
         let params = config.features(voxel.size);
+        // Parameters that cannot be are no fault of the scans.
+        describe(&[], &params).map_err(|error| format!("parameters of the features: {error}"))?;
         let (scans, describing) = progress.stage("features", clouds.len(), || {
-            let describe = |cloud| progress.item(|| fpfh_scan(cloud, &params));
-            let scans: Result<Vec<_>, Failure> = clouds.par_iter().map(describe).collect();
-            scans?.into_iter().collect()
+            let describe =
+                |cloud: &mut Cloud| progress.item(|| fpfh_scan(cloud, &params, progress));
+            clouds.par_iter_mut().map(describe).collect()
         })?;
         Ok(Self {
             clouds,
@@ -60,25 +62,23 @@ impl DescribedScans {
         })
     }
 
-    /// Scans described by files of keypoints and descriptors; without clouds, keypoints stand in for
-    /// them.
-    pub fn by_files(
-        inputs: &[PathBuf],
+    /// Scans of files, described by other files; without clouds, keypoints stand in for them.
+    pub fn by_descriptors(
+        files: &[PathBuf],
         folder: &Path,
         config: &Config,
         progress: &Progress,
     ) -> Result<Self, Failure> {
-        let files = files_of(inputs)?;
-        let (mut clouds, mut sets, mut reading) = (Vec::new(), Vec::new(), Duration::ZERO);
-        if files.is_empty() {
-            sets = descriptor_files(folder)?;
+        let (mut clouds, mut reading) = (Vec::new(), Duration::ZERO);
+        let sets = if files.is_empty() {
+            descriptor_files(folder)?
         } else {
-            (clouds, reading) = read(&files, progress)?;
+            (clouds, reading) = read(files, progress)?;
             if clouds.len() != files.len() {
                 return Err("--descriptors needs one scan in a file".into());
             }
-            sets.extend(attached(files, folder)?);
-        }
+            attached(files, folder)?
+        };
         let (scans, describing) = progress.stage("descriptors", sets.len(), || {
             let read = |files| progress.item(|| learned_scan(files));
             let scans: Result<Vec<_>, Failure> = sets.par_iter().map(read).collect();
@@ -90,12 +90,12 @@ impl DescribedScans {
             clouds = named
                 .map(|(files, scan)| Cloud::of_keypoints(files, scan))
                 .collect();
+            localize_georeferenced(&mut clouds);
         }
-        let scans = clouds
-            .iter()
-            .zip(scans)
-            .map(|(cloud, scan)| cloud.localized(scan));
-        let scans = scans.collect::<Result<_, _>>()?;
+        let scans = clouds.iter().zip(scans);
+        let scans = scans
+            .map(|(cloud, scan)| cloud.localized(scan))
+            .collect::<Result<_, _>>()?;
         let (voxel, estimation) = WorkingVoxel::of(&clouds, config, progress)?;
         Ok(Self {
             clouds,
@@ -112,13 +112,17 @@ impl DescribedScans {
 }
 
 fn read(files: &[PathBuf], progress: &Progress) -> Result<(Vec<Cloud>, Duration), Failure> {
-    progress.stage("reading", files.len(), || read_clouds(files, progress))
+    progress.stage("reading", files.len(), || {
+        let mut clouds = read_clouds(files, progress)?;
+        localize_georeferenced(&mut clouds);
+        Ok(clouds)
+    })
 }
 
 /// The sets of descriptors of the files, in their order.
-fn attached(files: Vec<PathBuf>, folder: &Path) -> Result<Vec<DescriptorFiles>, Failure> {
-    let scans = files.into_iter().map(|cloud| SceneScan {
-        cloud: Some(cloud),
+fn attached(files: &[PathBuf], folder: &Path) -> Result<Vec<DescriptorFiles>, Failure> {
+    let scans = files.iter().map(|cloud| SceneScan {
+        cloud: Some(cloud.clone()),
         descriptors: None,
     });
     let mut scene = Scene {
@@ -135,11 +139,30 @@ fn attached(files: Vec<PathBuf>, folder: &Path) -> Result<Vec<DescriptorFiles>, 
         .collect())
 }
 
-fn fpfh_scan(cloud: &Cloud, params: &FeatureParams) -> Result<Scan, Failure> {
+/// A scan that cannot be described is left out: it becomes one without points.
+fn fpfh_scan(cloud: &mut Cloud, params: &FeatureParams, progress: &Progress) -> Scan {
+    let num_strays = cloud.drop_strays(params.voxel_size);
+    if num_strays > 0 {
+        progress.say(&format!(
+            "{}: {num_strays} points far off left out",
+            cloud.name
+        ));
+    }
     let mut params = *params;
     params.normals.viewpoint = cloud.viewpoint;
-    describe_cloud(&cloud.points, &params)
-        .map_err(|error| format!("{}: {error}", cloud.name).into())
+    describe_cloud(&cloud.points, &params).unwrap_or_else(|error| {
+        let problem = format!("{}: {error}", cloud.file.display());
+        progress.say(&format!("left out: {problem}; mend or remove the file"));
+        cloud.problem = Some(problem);
+        empty_scan()
+    })
+}
+
+fn empty_scan() -> Scan {
+    let none = Descriptors::new(Vec::new(), FPFH_DIMENSION);
+    none.ok()
+        .and_then(|descriptors| Scan::new(Vec::new(), descriptors).ok())
+        .expect("no points and no descriptors are a scan")
 }
 
 fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Failure> {
@@ -172,7 +195,7 @@ impl Cloud {
     fn of_keypoints(files: &DescriptorFiles, scan: &Scan) -> Self {
         let mut file = PointFile::default();
         file.points = scan.points().to_vec();
-        Self::new(files.name.clone(), file)
+        Self::new(&files.name, &files.keypoints, file)
     }
 
     /// A scan of the file's coordinates, in those of the cloud.
@@ -203,13 +226,13 @@ impl WorkingVoxel {
         let (mut estimates, time) = progress.stage("voxel", clouds.len(), || {
             let estimate = |cloud: &Cloud| {
                 let estimate = progress.item(|| estimate_voxel_size(&cloud.points))?;
-                estimate.map_err(|error| Failure::from(format!("{}: {error}", cloud.name)))
+                estimate.map_err(|error| Failure::of(&cloud.file, error))
             };
             let estimates: Result<Vec<_>, Failure> = clouds.par_iter().map(estimate).collect();
             Ok(estimates?.into_iter().flatten().collect::<Vec<f64>>())
         })?;
         if estimates.is_empty() {
-            return Err("no scan has two different points: there is nothing to register".into());
+            return Err("no scan has two different points: nothing can be said of them".into());
         }
         let middle = (estimates.len() - 1) / 2;
         let (_, &mut size, _) = estimates.select_nth_unstable_by(middle, f64::total_cmp);

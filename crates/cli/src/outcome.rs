@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::fmt;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// What a command has found out.
@@ -51,10 +52,22 @@ impl fmt::Display for Failure {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Error(error) => write!(formatter, "error: {error}"),
-            Self::Interrupted => write!(
-                formatter,
-                "interrupted: files that were finished before are whole, others were not begun"
-            ),
+            Self::Interrupted => write!(formatter, "interrupted: no file is half-written"),
+        }
+    }
+}
+
+impl Failure {
+    /// An error with the file that it concerns.
+    pub fn of(file: &Path, reason: impl fmt::Display) -> Self {
+        format!("{}: {reason}", file.display()).into()
+    }
+
+    /// Why scans could not be registered.
+    pub fn of_registration(error: gmpcr::Error) -> Self {
+        match error {
+            gmpcr::Error::Cancelled { .. } => Self::Interrupted,
+            other => Self::Error(other.into()),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The files of a registration.
 
+use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -13,20 +14,23 @@ use gmpcr_io::{
 use crate::attention::main_component;
 use crate::described::DescribedScans;
 use crate::georeference::FileFrames;
+use crate::links::Links;
 use crate::outcome::Failure;
 use crate::progress::Progress;
 use crate::report::report_html;
 use crate::result::ResultFile;
 
-/// Names of the files, in the order in which they are written.
-pub const FILES: [&str; 7] = [
-    "result.json",
-    "poses.tum",
-    "poses.txt",
-    "posegraph.g2o",
-    "posegraph.json",
-    "report.html",
-    "merged.ply",
+type Write = fn(&Output, &Path) -> Result<(), Failure>;
+
+/// The files in the order in which they are written: `result.json` says that all are there.
+pub const FILES: [(&str, Write); 7] = [
+    ("poses.tum", |output, path| output.write_tum(path)),
+    ("poses.txt", |output, path| output.write_rows(path)),
+    ("posegraph.g2o", |output, path| output.write_g2o(path)),
+    ("posegraph.json", |output, path| output.write_open3d(path)),
+    ("report.html", |output, path| output.write_report(path)),
+    ("merged.ply", |output, path| output.write_merged(path)),
+    ("result.json", |output, path| output.write_result(path)),
 ];
 
 /// What there is to write.
@@ -41,24 +45,36 @@ pub struct Output<'a> {
     pub thin: Option<f64>,
 }
 
-/// Creates the folder, and makes sure that files can be written into it before hours are spent on
-/// their content.
-pub fn prepare(folder: &Path) -> Result<(), Failure> {
-    let remedy = "choose another folder with --out, or make room";
+/// Creates the folder, and makes sure that files can be written into it, over none of the scans, before
+/// hours are spent on their content.
+pub fn prepare(folder: &Path, scans: &[PathBuf]) -> Result<(), Failure> {
+    const REMEDY: &str = "choose another folder with --out";
     fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot create {}: {error}; {remedy}", folder.display()))?;
+        .map_err(|error| format!("cannot create {}: {error}; {REMEDY}", folder.display()))?;
     let probe = folder.join(".gmpcr-probe");
-    write_text(&probe, "").map_err(|error| format!("{error}; {remedy}"))?;
-    fs::remove_file(&probe).map_err(|error| format!("{}: {error}", folder.display()).into())
+    write_text(&probe, "").map_err(|error| format!("{error}; {REMEDY}"))?;
+    fs::remove_file(&probe).map_err(|error| Failure::of(folder, error))?;
+    let merged = folder.join("merged.ply").canonicalize();
+    let is_merged =
+        |scan: &&PathBuf| matches!((scan.canonicalize(), &merged), (Ok(a), Ok(b)) if a == *b);
+    match scans.iter().find(is_merged) {
+        Some(scan) => Err(Failure::of(
+            scan,
+            format!("the scan would be overwritten: {REMEDY}"),
+        )),
+        None => Ok(()),
+    }
 }
 
 impl Output<'_> {
     /// Writes all files. One that cannot be written does not keep the others from it.
     pub fn write(&self, folder: &Path, progress: &Progress) -> Result<(), Failure> {
         let ((), _) = progress.stage("writing", FILES.len(), || {
+            // Without it, files of an earlier run are no result of this one.
+            let _ = fs::remove_file(folder.join("result.json"));
             let mut problems = Vec::new();
-            for name in FILES {
-                let outcome = progress.item(|| self.write_one(name, &folder.join(name)))?;
+            for (name, write) in FILES {
+                let outcome = progress.file(|| write(self, &folder.join(name)))?;
                 problems.extend(outcome.err().map(|problem| problem.to_string()));
             }
             match problems.as_slice() {
@@ -73,20 +89,31 @@ impl Output<'_> {
         Ok(())
     }
 
-    fn write_one(&self, name: &str, path: &PathBuf) -> Result<(), gmpcr_io::Error> {
-        match name {
-            "result.json" => write_text(path, &format!("{:#}\n", serde_json::json!(self.result))),
-            "poses.tum" => {
-                let poses = self.indexed_poses();
-                let stamped: Vec<_> = poses.iter().map(|&(k, pose)| (k as f64, pose)).collect();
-                write_poses_tum(path, &stamped)
-            }
-            "poses.txt" => write_poses_3x4(path, &self.indexed_poses()),
-            "posegraph.g2o" => write_g2o(path, &self.g2o()),
-            "posegraph.json" => write_open3d_pose_graph(path, &self.open3d()),
-            "report.html" => write_text(path, &report_html(self)),
-            _ => self.write_merged(path),
-        }
+    fn write_tum(&self, path: &Path) -> Result<(), Failure> {
+        let poses = self.indexed_poses();
+        let stamped: Vec<_> = poses.iter().map(|&(k, pose)| (k as f64, pose)).collect();
+        Ok(write_poses_tum(path, &stamped)?)
+    }
+
+    fn write_rows(&self, path: &Path) -> Result<(), Failure> {
+        Ok(write_poses_3x4(path, &self.indexed_poses())?)
+    }
+
+    fn write_g2o(&self, path: &Path) -> Result<(), Failure> {
+        Ok(write_g2o(path, &self.g2o())?)
+    }
+
+    fn write_open3d(&self, path: &Path) -> Result<(), Failure> {
+        Ok(write_open3d_pose_graph(path, &self.open3d())?)
+    }
+
+    fn write_report(&self, path: &Path) -> Result<(), Failure> {
+        Ok(write_text(path, &report_html(self))?)
+    }
+
+    fn write_result(&self, path: &Path) -> Result<(), Failure> {
+        let text = format!("{:#}\n", serde_json::json!(self.result));
+        Ok(write_text(path, &text)?)
     }
 
     /// The scans of the largest component: one frame, one picture.
@@ -101,28 +128,34 @@ impl Output<'_> {
             .collect()
     }
 
-    fn write_merged(&self, path: &Path) -> Result<(), gmpcr_io::Error> {
+    fn write_merged(&self, path: &Path) -> Result<(), Failure> {
         let clouds = &self.input.clouds;
         let is_shifted = |&scan: &usize| clouds[scan].origin.norm() > 0.0;
         let coordinates = match self.scans().iter().any(is_shifted) {
             true => Coordinates::Double,
             false => Coordinates::Single,
         };
-        let moved = self.scans().iter().map(|&scan| {
-            let cloud = &clouds[scan];
-            let world_from_points = self.frames.world_from_scan[scan] * cloud.file_from_points();
-            let points = self.thinned(&cloud.points);
-            let points = points
-                .into_iter()
-                .map(move |point| world_from_points * point);
+        let points = |&scan: &usize| self.thinned(&clouds[scan].points);
+        let points: Result<Vec<_>, Failure> = self.scans().iter().map(points).collect();
+        let moved = self.scans().iter().zip(points?).map(|(&scan, points)| {
+            let shift = clouds[scan].file_from_points();
+            let world_from_points = self.frames.world_from_scan[scan] * shift;
+            let mut points = points.into_owned();
+            for point in &mut points {
+                *point = world_from_points * *point;
+            }
             (points, distinct_color(scan))
         });
-        write_merged_ply(path, coordinates, moved)
+        Ok(write_merged_ply(path, coordinates, moved)?)
     }
 
-    fn thinned(&self, points: &[Point3<f64>]) -> Vec<Point3<f64>> {
-        let grid = self.thin.and_then(|voxel| voxel_grid(points, voxel).ok());
-        grid.unwrap_or_else(|| points.to_vec())
+    fn thinned<'p>(&self, points: &'p [Point3<f64>]) -> Result<Cow<'p, [Point3<f64>]>, Failure> {
+        let Some(voxel) = self.thin else {
+            return Ok(points.into());
+        };
+        let thinned =
+            voxel_grid(points, voxel).map_err(|error| format!("merged.ply: --thin: {error}"))?;
+        Ok(thinned.into())
     }
 
     /// The edges of the largest component with the final poses as vertices.
@@ -160,7 +193,7 @@ impl Output<'_> {
                 target_from_source: self.frames.i_from_j[edge.position],
                 information: diagonal([r, t]) * edge.weight,
                 uncertain: true,
-                confidence: edge.weight,
+                confidence: 1.0,
             }
         };
         Open3dPoseGraph {
@@ -179,22 +212,24 @@ impl Output<'_> {
         deviations.map(|sigma| 1.0 / (sigma * sigma))
     }
 
-    /// The edges of the largest component of more than a millionth of the largest weight.
+    /// The edges of the largest component, but for those of less than a millionth of the largest weight
+    /// that nothing depends on.
     fn edges(&self) -> impl Iterator<Item = WeightedEdge> {
+        const LEAST: f64 = 1e-6;
         let evidence = &self.registration.evidence;
-        let weights = evidence.iter().map(|edge| edge.final_weight);
-        let largest = weights.fold(f64::MIN_POSITIVE, f64::max);
-        let weighted = evidence
-            .iter()
-            .enumerate()
-            .map(move |(position, edge)| WeightedEdge {
-                position,
-                i: edge.i,
-                j: edge.j,
-                weight: edge.final_weight / largest,
-            });
         let scans = self.scans();
-        weighted.filter(|edge| scans.binary_search(&edge.i).is_ok() && edge.weight > 1e-6)
+        let inside = |k: &usize| scans.binary_search(&evidence[*k].i).is_ok();
+        let positions: Vec<usize> = (0..evidence.len()).filter(inside).collect();
+        let weights = positions.iter().map(|&k| evidence[k].final_weight);
+        let largest = weights.fold(f64::MIN_POSITIVE, f64::max);
+        let tree = Links::of(self.registration).weakest();
+        let edges = positions.into_iter().map(move |position| WeightedEdge {
+            position,
+            i: evidence[position].i,
+            j: evidence[position].j,
+            weight: (evidence[position].final_weight / largest).max(LEAST),
+        });
+        edges.filter(move |edge| edge.weight > LEAST || tree.contains(&edge.position))
     }
 }
 

@@ -1,10 +1,11 @@
 //! A bar for each stage, what the user should know meanwhile, and whether Ctrl-C was pressed.
 
 use std::fmt;
-use std::io::Write;
+use std::io::{self, Write};
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use gmpcr::{Observer, Stage};
@@ -13,15 +14,25 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use crate::outcome::Failure;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// Held while a file is written.
+static WRITING: Mutex<()> = Mutex::new(());
 
-/// Lets Ctrl-C end the work between two items; pressed again, it ends the program at once.
+/// Lets Ctrl-C, or a request to terminate, end the work between two items; where one takes longer, it ends
+/// the program a second later, but in the middle of no file.
 pub fn heed_interrupts() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            process::exit(130);
-        }
+        INTERRUPTED.store(true, Ordering::Relaxed);
+        thread::sleep(Duration::from_secs(1));
+        let _none_is_written = lock(&WRITING);
+        // Nobody can be told that standard error is gone.
+        let _ = writeln!(io::stderr(), "{}", Failure::Interrupted);
+        process::exit(130);
     })?;
     Ok(())
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Progress on standard error: nothing when quiet, no bars where it is no terminal.
@@ -54,36 +65,35 @@ impl Progress {
 
     /// Does an item of the stage, unless the user wants no more.
     pub fn item<T>(&self, work: impl FnOnce() -> T) -> Result<T, Failure> {
-        self.check()?;
+        if self.is_cancelled() {
+            return Err(Failure::Interrupted);
+        }
         let result = work();
         self.item_done();
         Ok(result)
     }
 
-    pub fn check(&self) -> Result<(), Failure> {
-        if self.is_cancelled() {
-            return Err(Failure::Interrupted);
-        }
-        Ok(())
+    /// An item that writes a file, which interrupts do not cut off.
+    pub fn file<T>(&self, write: impl FnOnce() -> T) -> Result<T, Failure> {
+        let _guard = lock(&WRITING);
+        self.item(write)
     }
 
     /// Says something that is to stay.
     pub fn say(&self, message: &str) {
         if !self.is_quiet {
-            self.lock().suspend(|| {
-                // Nobody can be told that standard error is gone.
-                let _ = writeln!(std::io::stderr(), "{message}");
-            });
+            let say = || writeln!(io::stderr(), "{message}");
+            let _ = lock(&self.bar).suspend(say);
         }
     }
 
     /// Ends the bar of the last stage, which stays to be read.
     pub fn finish(&self) {
-        self.lock().finish();
+        lock(&self.bar).finish();
     }
 
     fn start(&self, name: &'static str, num_items: usize) {
-        let mut bar = self.lock();
+        let mut bar = lock(&self.bar);
         bar.finish();
         if self.is_quiet {
             return;
@@ -93,10 +103,6 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.with_key("rate", write_rate));
         }
-    }
-
-    fn lock(&self) -> MutexGuard<'_, ProgressBar> {
-        self.bar.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -111,7 +117,7 @@ impl Observer for Progress {
     }
 
     fn item_done(&self) {
-        self.lock().inc(1);
+        lock(&self.bar).inc(1);
     }
 
     fn is_cancelled(&self) -> bool {

@@ -1,6 +1,6 @@
 //! `result.json`: everything that a registration has found, for programs.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use gmpcr::Registration;
 use gmpcr::geometry::{isometry, nearest_rotation};
@@ -13,9 +13,13 @@ use crate::described::DescribedScans;
 use crate::georeference::FileFrames;
 use crate::outcome::Failure;
 
+const FORMAT: u32 = 1;
+
 /// The content of the file. Motions are the 12 numbers of `[R | t]`, row by row.
 #[derive(Serialize, Deserialize)]
 pub struct ResultFile {
+    /// Form of this file: 1.
+    pub format: u32,
     /// Version of the program that wrote it.
     pub version: String,
     /// All parameters by name; lengths in working voxels.
@@ -23,6 +27,8 @@ pub struct ResultFile {
     /// The working voxel in the unit of the scans.
     pub voxel: f64,
     pub voxel_is_estimated: bool,
+    /// Lengths that follow from the voxel, in the unit of the scans.
+    pub lengths: Lengths,
     pub features: String,
     pub scans: Vec<ScanResult>,
     /// The scans of each frame; that of the largest is the one of the other files.
@@ -32,17 +38,41 @@ pub struct ResultFile {
     pub unresolved: Vec<UnresolvedResult>,
     /// Normalised confidences of all pairs: (0, 1), (0, 2), …, (1, 2), …
     pub confidences: Vec<f64>,
+    /// The same before they were divided by the largest.
+    pub raw_confidences: Vec<f64>,
+    /// How the synchronisation of each component went.
+    pub synchronization: Vec<SynchronizationResult>,
     pub notices: Vec<Notice>,
     /// Wall time of each stage.
     pub stages: Vec<StageResult>,
 }
 
 #[derive(Serialize, Deserialize)]
+pub struct Lengths {
+    pub normal_radius: f64,
+    pub descriptor_radius: f64,
+    pub tolerance: f64,
+    pub inlier_threshold: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+pub struct SynchronizationResult {
+    pub iterations: usize,
+    /// Largest residual of the eigenvectors.
+    pub eigen_residual: f64,
+    /// Below about 1e-6 reweighting has split the component in all but name.
+    pub weakest_block: f64,
+}
+
+#[derive(Serialize, Deserialize)]
 pub struct ScanResult {
     pub name: String,
+    pub file: PathBuf,
     pub component: usize,
     /// From the scan's coordinates to those of the first scan of its component.
     pub world_from_scan: [f64; 12],
+    /// Where coordinates were counted from meanwhile; zero, but for georeferenced scans.
+    pub origin: [f64; 3],
     pub points: usize,
     /// Points without a position.
     pub invalid: usize,
@@ -101,8 +131,10 @@ impl ResultFile {
         let scans = input.clouds.iter().zip(&input.scans).enumerate();
         let scans = scans.map(|(k, (cloud, scan))| ScanResult {
             name: cloud.name.clone(),
+            file: cloud.file.clone(),
             component: registration.components.label(k),
             world_from_scan: rows(&frames.world_from_scan[k]),
+            origin: cloud.origin.into(),
             points: cloud.points.len(),
             invalid: cloud.invalid,
             described: scan.len(),
@@ -115,17 +147,42 @@ impl ResultFile {
             cliques_seen: pair.cliques_seen,
             budget_exhausted: pair.budget_exhausted,
         });
+        let (features, params) = (
+            config.features(input.voxel.size),
+            config.params(input.voxel.size),
+        );
+        let reports = registration.synchronization.iter();
+        let raw_confidences = registration
+            .confidences
+            .pairs()
+            .iter()
+            .map(|pair| pair.raw_confidence);
         Self {
+            format: FORMAT,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             parameters: config.to_json(),
             voxel: input.voxel.size,
             voxel_is_estimated: input.voxel.is_estimated,
+            lengths: Lengths {
+                normal_radius: features.normals.radius,
+                descriptor_radius: features.fpfh.radius,
+                tolerance: params.compatibility.tolerance,
+                inlier_threshold: params.cliques.inlier_threshold,
+            },
             features: input.features.to_owned(),
             scans: scans.collect(),
             components: registration.components.members().to_vec(),
             edges: edges(registration, frames),
             unresolved: unresolved.collect(),
             confidences: registration.confidences.normalized().to_vec(),
+            raw_confidences: raw_confidences.collect(),
+            synchronization: reports
+                .map(|report| SynchronizationResult {
+                    iterations: report.iterations.len(),
+                    eigen_residual: report.eigen_residual,
+                    weakest_block: report.weakest_block,
+                })
+                .collect(),
             notices,
             stages: stages(input, registration),
         }
@@ -135,17 +192,57 @@ impl ResultFile {
         let text = std::fs::read_to_string(path)
             .map_err(|error| format!("cannot read {}: {error}", path.display()))?;
         let result: Self = serde_json::from_str(&text).map_err(|error| {
-            format!(
-                "{} is no result.json of `gmpcr register`: {error}",
-                path.display()
-            )
+            let reason = format!("no result.json of this version of gmpcr register: {error}");
+            Failure::of(path, reason)
         })?;
-        let num_scans = result.scans.len();
-        let is_sound = result.scans.iter().all(|scan| scan.component < num_scans);
-        match is_sound {
-            true => Ok(result),
-            false => Err(format!("{}: components do not fit the scans", path.display()).into()),
+        match result.problem() {
+            Some(reason) => Err(Failure::of(path, reason)),
+            None => Ok(result),
         }
+    }
+
+    /// What a file that was changed by hand contradicts itself in.
+    fn problem(&self) -> Option<String> {
+        if self.format != FORMAT {
+            return Some(format!(
+                "the form of the file is {}, known is {FORMAT}",
+                self.format
+            ));
+        }
+        let mut labels = vec![None; self.scans.len()];
+        for (label, scans) in self.components.iter().enumerate() {
+            for &scan in scans {
+                match labels.get_mut(scan) {
+                    Some(place) => *place = Some(label),
+                    None => {
+                        return Some(format!(
+                            "component {label} names a scan {scan}, which is not there"
+                        ));
+                    }
+                }
+            }
+        }
+        let labels_agree = self
+            .scans
+            .iter()
+            .zip(&labels)
+            .all(|(scan, label)| *label == Some(scan.component));
+        if !labels_agree {
+            return Some("the components do not fit the scans".into());
+        }
+        let bent = self
+            .scans
+            .iter()
+            .position(|scan| !is_rigid(&scan.world_from_scan))?;
+        Some(format!("the pose of scan {bent} is no rigid motion"))
+    }
+
+    /// The label of the largest component, the first of equal ones.
+    pub fn largest_component(&self) -> usize {
+        let components = self.components.iter().enumerate().rev();
+        components
+            .max_by_key(|(_, scans)| scans.len())
+            .map_or(0, |(label, _)| label)
     }
 
     /// The poses of all scans.
@@ -159,6 +256,15 @@ impl ResultFile {
 pub fn rows(motion: &Isometry3<f64>) -> [f64; 12] {
     let matrix = motion.to_matrix();
     std::array::from_fn(|k| matrix[(k / 4, k % 4)])
+}
+
+/// Whether the numbers are a rotation, up to rounding, and a translation.
+fn is_rigid(rows: &[f64; 12]) -> bool {
+    let rotation = Matrix3::from_fn(|row, column| rows[4 * row + column]);
+    let bend = (rotation.transpose() * rotation - Matrix3::identity())
+        .abs()
+        .max();
+    rows.iter().all(|number| number.is_finite()) && bend < 1e-6 && rotation.determinant() > 0.0
 }
 
 fn motion(rows: &[f64; 12]) -> Isometry3<f64> {

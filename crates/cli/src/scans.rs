@@ -12,46 +12,41 @@ use crate::progress::Progress;
 
 /// A scan as it was read.
 pub struct Cloud {
-    /// Its file, and its name within one that holds several.
+    /// Name of its file, and its own within one that holds several.
     pub name: String,
+    pub file: PathBuf,
     /// Points less the origin.
     pub points: Vec<Point3<f64>>,
-    /// Where coordinates are counted from: zero, but for scans that lie far from it. Numbers of seven
-    /// digits before the point have none left behind it in single precision.
+    /// Where coordinates are counted from: zero, but for georeferenced scans. Numbers of seven digits
+    /// before the point have none left behind it in single precision.
     pub origin: Vector3<f64>,
     /// Where the sensor stood, less the origin.
     pub viewpoint: Point3<f64>,
     /// Points without a position.
     pub invalid: usize,
     pub has_normals: bool,
-    /// Why the file could not be read.
+    /// Why it cannot be used.
     pub problem: Option<String>,
 }
 
 impl Cloud {
-    pub fn new(name: String, file: PointFile) -> Self {
-        let origin = origin_of(&file.points);
-        let mut points = file.points;
-        for point in &mut points {
-            *point -= origin;
-        }
-        let viewpoint = file.viewpoint.map(|viewpoint| viewpoint - origin);
-        let viewpoint = viewpoint.unwrap_or_else(|| likely_viewpoint(&origin));
+    pub fn new(name: &str, file: &Path, content: PointFile) -> Self {
         Self {
-            name,
-            points,
-            origin,
-            viewpoint,
-            invalid: file.invalid,
-            has_normals: file.has_normals,
+            name: name.replace(char::is_control, "\u{fffd}"),
+            file: file.to_owned(),
+            points: content.points,
+            origin: Vector3::zeros(),
+            viewpoint: content.viewpoint.unwrap_or_else(Point3::origin),
+            invalid: content.invalid,
+            has_normals: content.has_normals,
             problem: None,
         }
     }
 
-    fn unreadable(name: String, problem: String) -> Self {
+    fn unreadable(name: &str, file: &Path, problem: String) -> Self {
         Self {
             problem: Some(problem),
-            ..Self::new(name, PointFile::default())
+            ..Self::new(name, file, PointFile::default())
         }
     }
 
@@ -59,38 +54,68 @@ impl Cloud {
     pub fn file_from_points(&self) -> Isometry3<f64> {
         Translation3::from(self.origin).into()
     }
+
+    /// Leaves out points that are farther from the median point than a million voxels: sensors that write
+    /// a huge number where nothing returned. Returns how many.
+    pub fn drop_strays(&mut self, voxel: f64) -> usize {
+        let before = self.points.len();
+        let center = median_point(&self.points);
+        self.points
+            .retain(|point| (point - center).norm() < 1e6 * voxel);
+        before - self.points.len()
+    }
+
+    /// How far the cloud lies from zero, relative to its size.
+    fn remoteness(&self) -> f64 {
+        let center = median_point(&self.points);
+        let mut distances: Vec<_> = self
+            .points
+            .iter()
+            .map(|point| (point - center).norm())
+            .collect();
+        center.coords.norm() / median(&mut distances).max(f64::MIN_POSITIVE)
+    }
+
+    /// Counts coordinates from the median point. Georeferenced files do not tell where the sensor
+    /// stood, and zero is no guess; but they have their axes in common. So a viewpoint far above and to a
+    /// side that is no wall's gives a surface the same normals in all of them.
+    fn localize(&mut self) {
+        self.origin = median_point(&self.points).coords;
+        for point in &mut self.points {
+            *point -= self.origin;
+        }
+        self.viewpoint = match self.viewpoint == Point3::origin() {
+            true => Point3::from(Vector3::new(0.3, 0.5, 0.8) * self.origin.norm()),
+            false => self.viewpoint - self.origin,
+        };
+    }
 }
 
-/// How many times farther than its points from each other a cloud must lie from zero to count as
-/// georeferenced.
-const FAR: f64 = 100.0;
-
-/// The point to count coordinates from: the median of the coordinates, if the cloud lies far from
-/// zero for its size, and zero else.
-fn origin_of(points: &[Point3<f64>]) -> Vector3<f64> {
-    let median = |values: &mut Vec<f64>| {
-        let middle = values.len() / 2;
-        *values.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
-    if points.is_empty() {
-        return Vector3::zeros();
+/// The upper median; 0 of nothing.
+fn median(values: &mut [f64]) -> f64 {
+    match values.len() {
+        0 => 0.0,
+        n => *values.select_nth_unstable_by(n / 2, f64::total_cmp).1,
     }
-    let center = Vector3::from_fn(|axis, _| {
+}
+
+/// The point of the median coordinates.
+fn median_point(points: &[Point3<f64>]) -> Point3<f64> {
+    Vector3::from_fn(|axis, _| {
         let mut values: Vec<_> = points.iter().map(|point| point[axis]).collect();
         median(&mut values)
-    });
-    let mut distances: Vec<_> = points.iter().map(|p| (p.coords - center).norm()).collect();
-    match center.norm() > FAR * median(&mut distances) {
-        true => center,
-        false => Vector3::zeros(),
-    }
+    })
+    .into()
 }
 
-/// Where the sensor stood, as far as normals are concerned, in a file that does not tell: at the zero
-/// point of the scan, but for georeferenced scans. Those share their axes, so a point far above and to
-/// a side that is no wall's orients the normals of a surface alike in all of them.
-fn likely_viewpoint(origin: &Vector3<f64>) -> Point3<f64> {
-    Point3::from(Vector3::new(0.3, 0.5, 0.8) * origin.norm())
+/// Shifts scans to zero if most of them lie a thousand times farther from it than they are large.
+pub fn localize_georeferenced(clouds: &mut [Cloud]) {
+    const REMOTE: f64 = 1000.0;
+    let filled = || clouds.iter().filter(|cloud| !cloud.points.is_empty());
+    let remote = filled().filter(|cloud| cloud.remoteness() > REMOTE).count();
+    if 2 * remote > filled().count() {
+        clouds.iter_mut().for_each(Cloud::localize);
+    }
 }
 
 /// The files of folders and files, in order. What `gmpcr register` has written into a folder of scans is no
@@ -107,11 +132,8 @@ pub fn files_of(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         } else if input.exists() {
             files.push(input.clone());
         } else {
-            return Err(format!(
-                "{} does not exist: a folder or file of scans is needed",
-                input.display()
-            )
-            .into());
+            let reason = "there is no such folder or file of scans";
+            return Err(Failure::of(input, reason));
         }
     }
     Ok(files)
@@ -122,7 +144,7 @@ pub fn read_clouds(files: &[PathBuf], progress: &Progress) -> Result<Vec<Cloud>,
     let read = |file: &PathBuf| progress.item(|| read_file(file));
     let clouds: Result<Vec<_>, Failure> = files.par_iter().map(read).collect();
     let mut clouds: Vec<Cloud> = clouds?.into_iter().flatten().collect();
-    make_names_differ(&mut clouds, files);
+    make_names_differ(&mut clouds);
     for cloud in &clouds {
         if let Some(problem) = &cloud.problem {
             progress.say(&format!("left out: {problem}; mend or remove the file"));
@@ -139,11 +161,9 @@ pub fn read_clouds(files: &[PathBuf], progress: &Progress) -> Result<Vec<Cloud>,
 
 fn read_file(file: &Path) -> Vec<Cloud> {
     let name = file.file_name().unwrap_or(file.as_os_str());
-    let name = name.to_string_lossy().into_owned();
-    match read_parts(file, &name) {
-        Ok(clouds) => clouds,
-        Err(error) => vec![Cloud::unreadable(name, error.to_string())],
-    }
+    let name = name.to_string_lossy();
+    read_parts(file, &name)
+        .unwrap_or_else(|error| vec![Cloud::unreadable(&name, file, error.to_string())])
 }
 
 /// The scans of a file: one, but for E57.
@@ -157,30 +177,23 @@ fn read_parts(file: &Path, name: &str) -> Result<Vec<Cloud>, gmpcr_io::Error> {
         let is_one = scans.len() == 1;
         let clouds = scans.into_iter().enumerate().map(|(k, scan)| {
             let part = scan.name.unwrap_or_else(|| k.to_string());
-            let name = if is_one {
-                name.to_owned()
-            } else {
-                format!("{name}:{part}")
-            };
-            Cloud::new(name, scan.points)
+            match is_one {
+                true => Cloud::new(name, file, scan.points),
+                false => Cloud::new(&format!("{name}:{part}"), file, scan.points),
+            }
         });
         return Ok(clouds.collect());
     }
-    Ok(vec![Cloud::new(name.to_owned(), read_points(file)?)])
+    Ok(vec![Cloud::new(name, file, read_points(file)?)])
 }
 
-/// Where file names are the same in several folders, whole paths are the names.
-fn make_names_differ(clouds: &mut [Cloud], files: &[PathBuf]) {
+/// Where names are not unique, as those of files of several folders, the number of the scan is added.
+fn make_names_differ(clouds: &mut [Cloud]) {
     let names: HashSet<_> = clouds.iter().map(|cloud| &cloud.name).collect();
-    if names.len() == clouds.len() {
-        return;
-    }
-    let one_each = files.len() == clouds.len();
-    for (k, cloud) in clouds.iter_mut().enumerate() {
-        cloud.name = match one_each {
-            true => files[k].display().to_string(),
-            false => format!("{}#{k}", cloud.name),
-        };
+    if names.len() < clouds.len() {
+        for (k, cloud) in clouds.iter_mut().enumerate() {
+            cloud.name = format!("{}#{k}", cloud.name);
+        }
     }
 }
 
@@ -188,30 +201,59 @@ fn make_names_differ(clouds: &mut [Cloud], files: &[PathBuf]) {
 mod tests {
     use super::*;
 
-    fn cube(center: [f64; 3], size: f64) -> Vec<Point3<f64>> {
-        let corner = |k: usize| Vector3::from_fn(|axis, _| ((k >> axis) & 1) as f64 * size);
-        (0..8).map(|k| Point3::from(center) + corner(k)).collect()
+    const UTM: [f64; 3] = [448_262.0, 5_411_932.0, 120.0];
+
+    /// The corners of a cube of 5 m.
+    fn cube(corner: [f64; 3]) -> Cloud {
+        let mut content = PointFile::default();
+        let place = |k: usize| Vector3::from_fn(|axis, _| ((k >> axis) & 1) as f64 * 5.0);
+        content.points = (0..8).map(|k| Point3::from(corner) + place(k)).collect();
+        Cloud::new("cube", Path::new("cube.las"), content)
     }
 
     #[test]
-    fn only_clouds_far_from_zero_for_their_size_have_an_origin() {
-        assert_eq!(origin_of(&[]), Vector3::zeros());
-        assert_eq!(origin_of(&cube([3.0, 0.0, 40.0], 5.0)), Vector3::zeros());
-        let utm = cube([448_262.0, 5_411_932.0, 120.0], 5.0);
-        let origin = origin_of(&utm);
-        assert!((origin - utm[0].coords).norm() < 10.0);
+    fn georeferenced_scans_are_counted_from_an_origin_of_their_own() {
+        let mut clouds = [cube(UTM), cube([448_300.0, 5_411_932.0, 120.0])];
+        let before = clouds[0].points.clone();
+        localize_georeferenced(&mut clouds);
+        assert!(
+            clouds[1]
+                .points
+                .iter()
+                .all(|point| point.coords.norm() < 10.0)
+        );
+        assert_ne!(clouds[0].origin, clouds[1].origin);
+        assert_eq!(
+            clouds[0].file_from_points() * clouds[0].points[7],
+            before[7]
+        );
     }
 
     #[test]
-    fn points_and_viewpoint_are_counted_from_the_origin() {
-        let points = cube([448_262.0, 5_411_932.0, 120.0], 5.0);
-        let mut file = PointFile::default();
-        file.points.clone_from(&points);
-        file.viewpoint = Some(points[0]);
-        let cloud = Cloud::new("utm".into(), file);
-        assert!(cloud.points.iter().all(|point| point.coords.norm() < 10.0));
-        let back = cloud.file_from_points();
-        assert_eq!(back * cloud.points[7], points[7]);
-        assert_eq!(back * cloud.viewpoint, points[0]);
+    fn one_far_scan_among_others_changes_nothing() {
+        let mut clouds = [cube([3.0, 0.0, 40.0]), cube([0.0; 3]), cube(UTM)];
+        localize_georeferenced(&mut clouds);
+        assert!(clouds.iter().all(|cloud| cloud.origin == Vector3::zeros()));
+        localize_georeferenced(&mut []);
+    }
+
+    #[test]
+    fn a_known_viewpoint_moves_with_the_points() {
+        let mut cloud = cube(UTM);
+        cloud.viewpoint = cloud.points[0];
+        cloud.localize();
+        assert_eq!(cloud.viewpoint, cloud.points[0]);
+    }
+
+    #[test]
+    fn huge_coordinates_are_strays_and_names_stay_on_their_line() {
+        let mut content = PointFile::default();
+        content.points = cube([0.0; 3]).points;
+        content
+            .points
+            .push(Point3::new(f64::from(f32::MAX), 0.0, 0.0));
+        let mut cloud = Cloud::new("a\nb", Path::new("a\nb"), content);
+        assert_eq!((cloud.drop_strays(0.05), cloud.points.len()), (1, 8));
+        assert_eq!(cloud.name, "a\u{fffd}b");
     }
 }

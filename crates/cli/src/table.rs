@@ -33,6 +33,14 @@ pub fn significant(length: f64) -> String {
     }
 }
 
+/// `1 edge`, `2 edges`.
+pub fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gmpcr::nalgebra::Isometry3;
+use gmpcr::nalgebra::{Isometry3, Matrix6};
 use gmpcr_eval::{
-    Gauge, GroundTruthPair, PairErrors, PoseError, Protocol, RotationSign, WorldPoses,
+    Gauge, GroundTruthPair, PairError, PairErrors, PoseError, Protocol, RotationSign, WorldPoses,
     absolute_errors, registration_recall,
 };
 use gmpcr_io::{Layout, LogEntry, PairList, read_gt_info, read_gt_log, read_poses, read_scene};
@@ -14,20 +14,27 @@ use serde_json::{Map, Value, json};
 use crate::arguments::EvalArguments;
 use crate::outcome::{Answer, Failure};
 use crate::result::ResultFile;
-use crate::table::{significant, table};
+use crate::table::{counted, significant, table};
 
 pub fn run(arguments: &EvalArguments, is_verbose: bool) -> Result<Answer, Failure> {
     let result = ResultFile::read(&arguments.result)?;
-    let truth = Truth::read(&arguments.truth)?;
+    let truth = Truth::read(&arguments.truth, result.scans.len())?;
     let components = result.scans.iter().map(|scan| scan.component).collect();
-    let poses = result.world_from_scan();
-    let estimate = WorldPoses::new(poses.iter().copied().map(Some).collect(), components)?;
-    let mut evaluation = Evaluation::default();
+    let world_from_scan = result.world_from_scan();
+    let known = world_from_scan.iter().copied().map(Some).collect();
+    let mut evaluation = Evaluation {
+        arguments,
+        result: &result,
+        is_verbose,
+        estimate: WorldPoses::new(known, components)?,
+        text: String::new(),
+        json: Map::new(),
+    };
     for list in &truth.lists {
-        evaluation.judge_list(list, &estimate, is_verbose)?;
+        evaluation.judge_list(list)?;
     }
-    if let Some(world_from_scan) = &truth.world_from_scan {
-        evaluation.judge_poses(world_from_scan, &poses, &result, &estimate)?;
+    if let Some(truth) = &truth.world_from_scan {
+        evaluation.judge_poses(truth, &world_from_scan)?;
     }
     Ok(Answer {
         text: evaluation.text,
@@ -43,47 +50,57 @@ struct Truth {
 }
 
 impl Truth {
-    fn read(path: &Path) -> Result<Self, Failure> {
+    fn read(path: &Path, num_scans: usize) -> Result<Self, Failure> {
         if path.is_dir() {
-            return Self::of_scene(path);
+            return Self::of_scene(path, num_scans);
         }
-        let is_log = path
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("log"));
-        match is_log {
+        let extension = path.extension();
+        match extension.is_some_and(|extension| extension.eq_ignore_ascii_case("log")) {
             true => Ok(Self {
-                lists: vec![pair_list(path)?],
+                lists: vec![pair_list(path, num_scans)?],
                 world_from_scan: None,
             }),
             false => Ok(Self {
                 lists: Vec::new(),
-                world_from_scan: Some(poses(path)?),
+                world_from_scan: Some(poses(path, num_scans)?),
             }),
         }
     }
 
-    fn of_scene(folder: &Path) -> Result<Self, Failure> {
+    fn of_scene(folder: &Path, num_scans: usize) -> Result<Self, Failure> {
         let Some(layout) = Layout::of(folder)? else {
-            return Err(format!(
-                "{} has the layout of no benchmark: name its file of pairs or poses",
-                folder.display()
-            )
-            .into());
+            let reason =
+                "the folder has the layout of no benchmark: name its file of pairs or poses";
+            return Err(Failure::of(folder, reason));
         };
-        let truth = read_scene(folder, layout)?.truth;
+        let scene = read_scene(folder, layout)?;
+        if scene.scans.len() != num_scans {
+            return Err(other_scans(folder, scene.scans.len(), num_scans));
+        }
         Ok(Self {
-            lists: truth.match_lists,
-            world_from_scan: truth.world_from_scan,
+            lists: scene.truth.match_lists,
+            world_from_scan: scene.truth.world_from_scan,
         })
     }
 }
 
+fn other_scans(truth: &Path, num_true: usize, num_scans: usize) -> Failure {
+    let reason = format!("the truth is of {num_true} scans, the result of {num_scans}");
+    Failure::of(truth, reason)
+}
+
 /// The pairs of a `.log`, with the matrices of the `.info` of the same name where there is one.
-fn pair_list(path: &Path) -> Result<PairList, Failure> {
+fn pair_list(path: &Path, num_scans: usize) -> Result<PairList, Failure> {
     let pairs = read_gt_log(path)?;
+    let Some(last) = pairs.iter().map(|pair| pair.i.max(pair.j)).max() else {
+        return Err(Failure::of(path, "there is no pair in it"));
+    };
+    if last >= num_scans {
+        return Err(other_scans(path, last.saturating_add(1), num_scans));
+    }
     let info = path.with_extension("info");
     let information = match info.exists() {
-        true => Some(matched_information(&pairs, &info)?),
+        true => Some(information_of(&pairs, &info)?),
         false => None,
     };
     Ok(PairList {
@@ -98,54 +115,47 @@ fn pair_list(path: &Path) -> Result<PairList, Failure> {
     })
 }
 
-fn matched_information(
-    pairs: &[LogEntry],
-    info: &Path,
-) -> Result<Vec<gmpcr::nalgebra::Matrix6<f64>>, Failure> {
+fn information_of(pairs: &[LogEntry], info: &Path) -> Result<Vec<Matrix6<f64>>, Failure> {
     let entries = read_gt_info(info)?;
-    let ends = |k: usize| (pairs[k].i, pairs[k].j);
-    let agree = entries.len() == pairs.len()
-        && entries
-            .iter()
-            .enumerate()
-            .all(|(k, entry)| (entry.i, entry.j) == ends(k));
-    match agree {
-        true => Ok(entries.into_iter().map(|entry| entry.information).collect()),
-        false => Err(format!(
-            "{} does not list the pairs of the .log beside it",
-            info.display()
-        )
-        .into()),
+    let ends = entries.iter().map(|entry| (entry.i, entry.j));
+    if !ends.eq(pairs.iter().map(|pair| (pair.i, pair.j))) {
+        return Err(Failure::of(
+            info,
+            "it does not list the pairs of the .log beside it",
+        ));
     }
+    Ok(entries.into_iter().map(|entry| entry.information).collect())
 }
 
-fn poses(path: &Path) -> Result<Vec<Option<Isometry3<f64>>>, Failure> {
+fn poses(path: &Path, num_scans: usize) -> Result<Vec<Option<Isometry3<f64>>>, Failure> {
     let rows = read_poses(path)?;
-    let num_scans = rows.iter().map(|(scan, _)| scan + 1).max().unwrap_or(0);
-    if num_scans > 10 * rows.len() + 1000 {
-        return Err(format!("{}: there is no scan {}", path.display(), num_scans - 1).into());
+    if rows.is_empty() {
+        return Err(Failure::of(path, "there is no pose in it"));
     }
     let mut poses = vec![None; num_scans];
     for (scan, pose) in rows {
-        poses[scan] = Some(pose);
+        match poses.get_mut(scan) {
+            Some(place @ None) => *place = Some(pose),
+            Some(Some(_)) => return Err(Failure::of(path, format!("scan {scan} has two poses"))),
+            None => return Err(other_scans(path, scan.saturating_add(1), num_scans)),
+        }
     }
     Ok(poses)
 }
 
-#[derive(Default)]
-struct Evaluation {
+struct Evaluation<'a> {
+    arguments: &'a EvalArguments,
+    result: &'a ResultFile,
+    is_verbose: bool,
+    estimate: WorldPoses,
     text: String,
     json: Map<String, Value>,
 }
 
-impl Evaluation {
-    fn judge_list(
-        &mut self,
-        list: &PairList,
-        poses: &WorldPoses,
-        is_verbose: bool,
-    ) -> Result<(), Failure> {
-        let pairs: Vec<_> = list
+impl Evaluation<'_> {
+    /// Lists with information matrices have the recall of their benchmark, too, which is in metres.
+    fn judge_list(&mut self, list: &PairList) -> Result<(), Failure> {
+        let pairs = list
             .pairs
             .iter()
             .enumerate()
@@ -158,38 +168,53 @@ impl Evaluation {
                     .as_ref()
                     .map(|all| all[k])
                     .unwrap_or_default(),
-            })
-            .collect();
-        let errors = PairErrors::of_pairs(&pairs, poses)?;
-        let within = errors.recall();
+            });
+        let pairs: Vec<_> = pairs.collect();
+        let errors = PairErrors::of_pairs(&pairs, &self.estimate)?;
         let recall = match &list.information {
-            // Lists of pairs of little overlap count consecutive fragments, the others do not.
             Some(_) => {
-                let protocol = match list.name.to_ascii_lowercase().contains("lomatch") {
-                    true => Protocol::ThreeDLoMatch,
-                    false => Protocol::ThreeDMatch,
-                };
-                registration_recall(&pairs, poses, protocol, RotationSign::Benchmark)?.share()
+                let protocol = protocol_of(list);
+                let sign = RotationSign::Benchmark;
+                registration_recall(&pairs, &self.estimate, protocol, sign)?.share()
             }
             None => None,
         };
-        let _ = writeln!(self.text, "{} ({} pairs)", list.name, pairs.len());
-        if list.information.is_some() {
-            let _ = writeln!(self.text, "  registration recall   {}", percent(recall));
-        }
-        let _ = writeln!(self.text, "  within 15° and 0.3    {}", percent(within));
+        let &EvalArguments {
+            max_rotation,
+            max_translation,
+            ..
+        } = self.arguments;
+        let within = errors.recall_within(max_rotation.to_radians(), max_translation);
         let _ = writeln!(
             self.text,
-            "  without a common frame {}",
+            "{} ({})",
+            list.name,
+            counted(pairs.len(), "pair")
+        );
+        if list.information.is_some() {
+            let recall = percent(recall);
+            let _ = writeln!(
+                self.text,
+                "  registration recall, RMSE below 0.2 m  {recall}"
+            );
+        }
+        let thresholds = format!("within {max_rotation}° and {max_translation}");
+        let _ = writeln!(self.text, "  {thresholds:<37}  {}", percent(within));
+        let _ = writeln!(
+            self.text,
+            "  {:<37}  {}",
+            "without a common frame",
             errors.num_missing()
         );
-        if is_verbose {
+        if self.is_verbose {
             self.text += &pair_table(&errors);
         }
         let entry = json!({
             "pairs": pairs.len(),
             "registration_recall": recall,
-            "within_15_degrees_and_0.3": within,
+            "share_within": within,
+            "max_rotation_degrees": max_rotation,
+            "max_translation": max_translation,
             "without_common_frame": errors.num_missing(),
             "mean_error": errors.mean().map(error_json),
             "median_error": errors.median().map(error_json),
@@ -198,102 +223,86 @@ impl Evaluation {
         Ok(())
     }
 
-    /// Errors of the largest component after the best rigid motion, and of all relative poses.
+    /// Errors of all relative poses, and of the poses of the largest component after the best motion.
     fn judge_poses(
         &mut self,
         truth: &[Option<Isometry3<f64>>],
         poses: &[Isometry3<f64>],
-        result: &ResultFile,
-        estimate: &WorldPoses,
     ) -> Result<(), Failure> {
-        if truth.len() > poses.len() {
-            return Err(format!(
-                "the truth has {} scans, the result {}",
-                truth.len(),
-                poses.len()
-            )
-            .into());
-        }
-        let known = |&scan: &usize| truth.get(scan).copied().flatten();
-        let scans: Vec<usize> = (0..poses.len())
-            .filter(|scan| known(scan).is_some())
-            .collect();
-        let pairs = scans
+        let known: Vec<(usize, Isometry3<f64>)> = truth
             .iter()
             .enumerate()
-            .flat_map(|(k, &i)| scans[k + 1..].iter().map(move |&j| (i, j)));
-        let pairs: Vec<_> = pairs
-            .filter_map(|(i, j)| {
-                Some(GroundTruthPair {
-                    i,
-                    j,
-                    i_from_j: known(&i)?.inv_mul(&known(&j)?),
-                    information: Default::default(),
-                })
+            .filter_map(|(scan, pose)| Some((scan, (*pose)?)))
+            .collect();
+        let pairs = known.iter().enumerate().flat_map(|(k, a)| {
+            let others = known[k + 1..].iter();
+            others.map(move |b| GroundTruthPair {
+                i: a.0,
+                j: b.0,
+                i_from_j: a.1.inv_mul(&b.1),
+                information: Matrix6::zeros(),
             })
-            .collect();
-        let relative = PairErrors::of_pairs(&pairs, estimate)?;
-        let largest = result
-            .components
-            .iter()
-            .rev()
-            .max_by_key(|scans| scans.len());
-        let judged: Vec<usize> = largest
-            .into_iter()
-            .flatten()
-            .copied()
-            .filter(|scan| known(scan).is_some())
-            .collect();
-        let estimated: Vec<_> = judged.iter().map(|&scan| poses[scan]).collect();
-        let expected: Vec<_> = judged.iter().filter_map(known).collect();
-        let absolute = absolute_errors(&estimated, &expected, Gauge::LeastAbsolute)?;
+        });
+        let relative = PairErrors::of_pairs(&pairs.collect::<Vec<_>>(), &self.estimate)?;
+        let largest = self.result.largest_component();
+        let component = |scan: usize| self.result.scans[scan].component;
+        let judged = known.iter().filter(|(scan, _)| component(*scan) == largest);
+        let (estimated, expected): (Vec<_>, Vec<_>) =
+            judged.map(|&(scan, pose)| (poses[scan], pose)).unzip();
+        let errors = absolute_errors(&estimated, &expected, Gauge::LeastAbsolute)?;
+        let absolute = PairErrors {
+            pairs: errors.into_iter().enumerate().map(of_one_scan).collect(),
+        };
 
-        let _ = writeln!(self.text, "{} scans with a true pose", scans.len());
-        let (rotation, translation) = mean_and_median(&absolute);
+        let num_judged = counted(absolute.pairs.len(), "scan");
         let rows = [
+            row("relative poses of all pairs", &relative),
             row(
-                "relative poses of all pairs",
-                relative.mean(),
-                relative.median(),
+                &format!("poses of the largest frame ({num_judged})"),
+                &absolute,
             ),
-            vec![
-                format!(
-                    "absolute poses of the largest frame ({} scans)",
-                    judged.len()
-                ),
-                degrees(rotation[0]),
-                degrees(rotation[1]),
-                length(translation[0]),
-                length(translation[1]),
-            ],
         ];
-        self.text += &table(
-            &[
-                "error",
-                "rotation: mean",
-                "median",
-                "translation: mean",
-                "median",
-            ],
-            rows,
+        let _ = writeln!(
+            self.text,
+            "{} with a true pose",
+            counted(known.len(), "scan")
         );
+        let header = [
+            "error",
+            "rotation: mean",
+            "median",
+            "translation: mean",
+            "median",
+        ];
+        self.text += &table(&header, rows);
         let _ = writeln!(
             self.text,
             "pairs without a common frame {}",
             relative.num_missing()
         );
+        let json = |errors: &PairErrors| {
+            json!({
+                "mean": errors.mean().map(error_json),
+                "median": errors.median().map(error_json),
+            })
+        };
         let entry = json!({
-            "scans": scans.len(),
+            "scans": known.len(),
             "without_common_frame": relative.num_missing(),
-            "relative": { "mean": relative.mean().map(error_json), "median": relative.median().map(error_json) },
-            "absolute": {
-                "scans": judged.len(),
-                "mean": { "rotation_degrees": rotation[0], "translation": translation[0] },
-                "median": { "rotation_degrees": rotation[1], "translation": translation[1] },
-            },
+            "relative": json(&relative),
+            "absolute": json(&absolute),
+            "absolute_scans": absolute.pairs.len(),
         });
         self.json.insert("poses".into(), entry);
         Ok(())
+    }
+}
+
+/// Lists of pairs of little overlap count consecutive fragments, others do not.
+fn protocol_of(list: &PairList) -> Protocol {
+    match list.name.to_ascii_lowercase().contains("lomatch") {
+        true => Protocol::ThreeDLoMatch,
+        false => Protocol::ThreeDMatch,
     }
 }
 
@@ -302,38 +311,32 @@ fn pair_table(errors: &PairErrors) -> String {
         let error = pair.error.as_ref();
         [
             format!("{} – {}", pair.i, pair.j),
-            degrees(error.map(PoseError::rotation_degrees)),
-            length(error.map(|error| error.translation)),
+            degrees(error),
+            length(error),
         ]
     });
     table(&["pair", "rotation", "translation"], rows)
 }
 
-fn mean_and_median(errors: &[PoseError]) -> ([Option<f64>; 2], [Option<f64>; 2]) {
-    let of = |mut values: Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        [
-            (!values.is_empty()).then_some(mean),
-            values.get(values.len() / 2).copied(),
-        ]
-    };
-    (
-        of(errors.iter().map(PoseError::rotation_degrees).collect()),
-        of(errors.iter().map(|error| error.translation).collect()),
-    )
+/// The error of a scan, to be averaged like those of pairs.
+fn of_one_scan((scan, error): (usize, PoseError)) -> PairError {
+    PairError {
+        i: scan,
+        j: scan,
+        error: Some(error),
+    }
 }
 
-fn row(name: &str, mean: Option<PoseError>, median: Option<PoseError>) -> Vec<String> {
-    let [turns, shifts] = [
-        [&mean, &median].map(|error| degrees(error.as_ref().map(PoseError::rotation_degrees))),
-        [&mean, &median].map(|error| length(error.as_ref().map(|error| error.translation))),
-    ];
-    [name.to_owned()]
-        .into_iter()
-        .chain(turns)
-        .chain(shifts)
-        .collect()
+fn row(name: &str, errors: &PairErrors) -> [String; 5] {
+    let (mean, median) = (errors.mean(), errors.median());
+    let [mean, median] = [mean.as_ref(), median.as_ref()];
+    [
+        name.to_owned(),
+        degrees(mean),
+        degrees(median),
+        length(mean),
+        length(median),
+    ]
 }
 
 fn error_json(error: PoseError) -> Value {
@@ -344,10 +347,12 @@ fn percent(share: Option<f64>) -> String {
     share.map_or("no pairs".into(), |share| format!("{:.1} %", 100.0 * share))
 }
 
-fn degrees(angle: Option<f64>) -> String {
-    angle.map_or("-".into(), |angle| format!("{angle:.3}°"))
+fn degrees(error: Option<&PoseError>) -> String {
+    error.map_or("-".into(), |error| {
+        format!("{:.3}°", error.rotation_degrees())
+    })
 }
 
-fn length(length: Option<f64>) -> String {
-    length.map_or("-".into(), significant)
+fn length(error: Option<&PoseError>) -> String {
+    error.map_or("-".into(), |error| significant(error.translation))
 }

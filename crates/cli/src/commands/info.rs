@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use gmpcr::features::{estimate_resolution, estimate_voxel_size};
 use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
-use gmpcr::{Scan, register};
+use gmpcr::{Scan, register_observed};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -14,12 +14,12 @@ use crate::config::Config;
 use crate::described::DescribedScans;
 use crate::outcome::{Answer, Failure};
 use crate::progress::Progress;
-use crate::scans::Cloud;
+use crate::scans::{Cloud, files_of};
 use crate::table::{significant, table};
 
 pub fn run(arguments: &InfoArguments, progress: &Progress) -> Result<Answer, Failure> {
     let config = Config::new(&arguments.tuning)?;
-    let input = DescribedScans::by_fpfh(&arguments.inputs, &config, progress)?;
+    let input = DescribedScans::by_fpfh(&files_of(&arguments.inputs)?, &config, progress)?;
     let voxel = input.voxel.size;
     let (facts, _) = progress.stage("resolution", input.clouds.len(), || {
         let facts = |cloud| progress.item(|| Facts::of(cloud))?;
@@ -29,9 +29,7 @@ pub fn run(arguments: &InfoArguments, progress: &Progress) -> Result<Answer, Fai
             .map(facts)
             .collect::<Result<Vec<_>, _>>()
     })?;
-    let (overlaps, _) = progress.stage("overlap", 1, || {
-        progress.item(|| overlaps(&input, &config))?
-    })?;
+    let overlaps = overlaps(&input, &config, progress)?;
     progress.finish();
     let best = |scan: usize| {
         let of_scan = overlaps
@@ -168,9 +166,14 @@ impl Overlap {
 }
 
 /// Guesses for the pairs that a registration selects, whatever the rest of the scans says of them.
-fn overlaps(input: &DescribedScans, config: &Config) -> Result<Vec<Overlap>, Failure> {
+fn overlaps(
+    input: &DescribedScans,
+    config: &Config,
+    progress: &Progress,
+) -> Result<Vec<Overlap>, Failure> {
     let voxel = input.voxel.size;
-    let registration = register(&input.scans, &config.params(voxel))?;
+    let registration = register_observed(&input.scans, &config.params(voxel), progress)
+        .map_err(Failure::of_registration)?;
     let trees: Result<Vec<_>, Failure> = input.scans.iter().map(search_tree).collect();
     let trees = trees?;
     let overlap = |edge: &gmpcr::posegraph::PoseEdge| {
@@ -183,8 +186,12 @@ fn overlaps(input: &DescribedScans, config: &Config) -> Result<Vec<Overlap>, Fai
             share: 0.5 * (share_i + share_j),
         }
     };
-    let edges = registration.graph.edges().par_iter();
-    Ok(edges.map(overlap).collect())
+    let edges = registration.graph.edges();
+    let (overlaps, _) = progress.stage("overlap", edges.len(), || {
+        let overlaps = edges.par_iter().map(|edge| progress.item(|| overlap(edge)));
+        overlaps.collect()
+    })?;
+    Ok(overlaps)
 }
 
 type SearchTree = Option<ImmutableKdTree<f64, 3>>;

@@ -23,7 +23,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         Command::Sync(arguments) => sync::run(arguments, verbosity.verbose, &progress),
         Command::Info(arguments) => info::run(arguments, &progress),
         Command::Eval(arguments) => eval::run(arguments, verbosity.verbose),
-        Command::Params(arguments) => params(arguments),
+        Command::Params(arguments) => params(arguments, verbosity.json),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "gmpcr", &mut script);
@@ -32,11 +32,10 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     }
 }
 
-fn params(arguments: &ParamsArguments) -> Result<Answer, Failure> {
+fn params(arguments: &ParamsArguments, as_json: bool) -> Result<Answer, Failure> {
     let config = Config::new(&arguments.tuning)?;
-    Ok(Answer {
-        text: config.to_toml(),
-        json: Some(config.to_json()),
-        is_complete: true,
-    })
+    Ok(Answer::of_text(match as_json {
+        true => format!("{:#}\n", config.to_json()),
+        false => config.to_toml(),
+    }))
 }

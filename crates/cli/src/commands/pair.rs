@@ -12,12 +12,13 @@ use crate::described::DescribedScans;
 use crate::outcome::{Answer, Failure};
 use crate::progress::Progress;
 use crate::result::rows;
+use crate::scans::files_of;
 use crate::table::significant;
 
 pub fn run(arguments: &PairArguments, progress: &Progress) -> Result<Answer, Failure> {
     let config = Config::new(&arguments.tuning)?;
     let files = [arguments.target.clone(), arguments.source.clone()];
-    let input = DescribedScans::by_fpfh(&files, &config, progress)?;
+    let input = DescribedScans::by_fpfh(&files_of(&files)?, &config, progress)?;
     progress.finish();
     if let Some(problem) = input.clouds.iter().find_map(|cloud| cloud.problem.as_ref()) {
         return Err(problem.as_str().into());
@@ -107,13 +108,7 @@ fn text(
             ),
         ),
         ("explained", inliers.unwrap_or("none".into())),
-        (
-            "raw confidence",
-            format!(
-                "{:.1} (wrong pairs reach a few tens, good ones hundreds)",
-                pair.raw_confidence
-            ),
-        ),
+        ("raw confidence", format!("{:.1}", pair.raw_confidence)),
         ("working voxel", significant(input.voxel.size)),
     ];
     for (name, value) in rows {

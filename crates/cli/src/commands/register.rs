@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gmpcr::{Error, Registration, register_observed};
+use gmpcr::{Registration, register_observed};
 use serde_json::json;
 
 use crate::arguments::RegisterArguments;
@@ -16,7 +16,8 @@ use crate::outcome::{Answer, Failure};
 use crate::output::{FILES, Output, prepare};
 use crate::progress::Progress;
 use crate::result::{EdgeResult, ResultFile};
-use crate::table::{significant, table};
+use crate::scans::files_of;
+use crate::table::{counted, significant, table};
 
 pub fn run(
     arguments: &RegisterArguments,
@@ -24,19 +25,17 @@ pub fn run(
     progress: &Progress,
 ) -> Result<Answer, Failure> {
     let config = Config::new(&arguments.tuning)?;
-    prepare(&arguments.out)?;
+    let files = files_of(&arguments.inputs)?;
+    prepare(&arguments.out, &files)?;
     let input = match &arguments.descriptors {
-        Some(folder) => DescribedScans::by_files(&arguments.inputs, folder, &config, progress)?,
-        None => DescribedScans::by_fpfh(&arguments.inputs, &config, progress)?,
+        Some(folder) => DescribedScans::by_descriptors(&files, folder, &config, progress)?,
+        None => DescribedScans::by_fpfh(&files, &config, progress)?,
     };
     check_number(&input)?;
     let params = config.params(input.voxel.size);
     params.validate()?;
     let registration =
-        register_observed(&input.scans, &params, progress).map_err(|error| match error {
-            Error::Cancelled { .. } => Failure::Interrupted,
-            other => other.into(),
-        })?;
+        register_observed(&input.scans, &params, progress).map_err(Failure::of_registration)?;
     let frames = FileFrames::of(&registration, &input.clouds);
     let notices = notices(&input.clouds, &registration, &params);
     let result = ResultFile::new(&input, &config, &registration, &frames, notices);
@@ -93,7 +92,8 @@ fn title(arguments: &RegisterArguments) -> String {
 }
 
 fn written(folder: &Path) -> String {
-    format!("\n{} written to {}\n", FILES.join(", "), folder.display())
+    let names = FILES.map(|(name, _)| name);
+    format!("\n{} written to {}\n", names.join(", "), folder.display())
 }
 
 fn summary(
@@ -186,11 +186,7 @@ fn on_single_edges(result: &ResultFile) -> String {
         .collect();
     scans.sort_unstable();
     scans.dedup();
-    match scans.len() {
-        0 => "no scan".into(),
-        1 => "1 scan".into(),
-        n => format!("{n} scans"),
-    }
+    counted(scans.len(), "scan")
 }
 
 fn scan_table(result: &ResultFile) -> String {
@@ -240,8 +236,8 @@ fn edge_table(result: &ResultFile, positions: impl IntoIterator<Item = usize>) -
             ),
             format!("{:.3}", edge.confidence),
             format!("{:.0} %", 100.0 * edge.inlier_ratio),
-            format!("{:.3}", edge.initial_weight),
-            format!("{:.3}", edge.final_weight),
+            significant(edge.initial_weight),
+            significant(edge.final_weight),
             residual.map_or("-".into(), |(angle, length)| {
                 format!("{angle:.1}°, {}", significant(length))
             }),

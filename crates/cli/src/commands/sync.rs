@@ -6,33 +6,27 @@ use std::fmt::Write;
 use gmpcr::geometry::angular_distance;
 use gmpcr::nalgebra::Isometry3;
 use gmpcr::posegraph::{PoseEdge, PoseGraph};
-use gmpcr::sync::{SyncParams, synchronize};
+use gmpcr::sync::{SyncParams, Synchronization, synchronize};
 use gmpcr_io::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
 use serde_json::{Value, json};
 
 use crate::arguments::SyncArguments;
 use crate::outcome::{Answer, Failure};
 use crate::progress::Progress;
-use crate::table::{significant, table};
+use crate::table::{counted, significant, table};
 
 pub fn run(
     arguments: &SyncArguments,
     is_verbose: bool,
     progress: &Progress,
 ) -> Result<Answer, Failure> {
+    let named = |reason: String| Failure::of(&arguments.graph, reason);
     let mut file = read_g2o(&arguments.graph)?;
-    if file.edges.is_empty() {
-        return Err(format!(
-            "{}: no EDGE_SE3:QUAT record to synchronise",
-            arguments.graph.display()
-        )
-        .into());
-    }
-    let is_posed = !file.vertices.is_empty();
+    let posed: BTreeSet<usize> = file.vertices.iter().map(|vertex| vertex.id).collect();
     complete_vertices(&mut file);
-    let graph = pose_graph(&file)?;
+    let graph = pose_graph(&file).map_err(named)?;
     let params = SyncParams {
-        iterations: arguments.iterations,
+        iterations: arguments.iterations as usize,
         method: arguments.method,
         ..SyncParams::default()
     };
@@ -41,32 +35,41 @@ pub fn run(
         .iter()
         .map(|vertex| vertex.world_from_vertex)
         .collect();
-    let before = is_posed.then(|| Residuals::of(&graph, &before));
+    let all_are_posed = posed.len() == before.len();
+    let before = all_are_posed.then(|| Residuals::of(&graph, &before));
     let (result, time) = progress.stage("synchronisation", 1, || {
         progress.item(|| synchronize(&graph, &params))
     })?;
     progress.finish();
     let after = Residuals::of(&graph, &result.world_from_scan);
-    for (vertex, pose) in file.vertices.iter_mut().zip(&result.world_from_scan) {
-        vertex.world_from_vertex = *pose;
-    }
+    move_vertices(&mut file.vertices, &posed, &result);
     if let Some(out) = &arguments.out {
         write_g2o(out, &file)?;
     }
     let num_components = result.components.members().len();
-    let eigen_residual = result
-        .reports
+    let unused = graph
+        .edges()
         .iter()
-        .map(|report| report.eigen_residual)
-        .fold(0.0, f64::max);
+        .filter(|edge| edge.weight == 0.0)
+        .count();
+    let eigen_residuals = result.reports.iter().map(|report| report.eigen_residual);
+    let eigen_residual = eigen_residuals.fold(0.0, f64::max);
     let mut text = format!(
-        "{} poses, {} edges, {num_components} components: {} in {:.3} s\n\n",
+        "{} poses, {} edges, {}: {} in {:.3} s\n",
         graph.num_scans(),
         graph.edges().len(),
+        counted(num_components, "component"),
         arguments.method.name(),
         time.as_secs_f64()
     );
-    text += &residual_table(before.as_ref(), &after);
+    if unused > 0 {
+        let _ = writeln!(
+            text,
+            "{} without information on the rotation not used",
+            counted(unused, "edge")
+        );
+    }
+    let _ = write!(text, "\n{}", residual_table(before.as_ref(), &after));
     if is_verbose {
         let _ = write!(text, "\neigenvector residual {eigen_residual:.1e}\n");
     }
@@ -79,6 +82,7 @@ pub fn run(
             "method": arguments.method.name(),
             "poses": graph.num_scans(),
             "edges": graph.edges().len(),
+            "unused_edges": unused,
             "components": num_components,
             "seconds": time.as_secs_f64(),
             "eigen_residual": eigen_residual,
@@ -97,33 +101,60 @@ fn complete_vertices(file: &mut G2o) {
         .iter()
         .flat_map(|edge| [edge.i, edge.j])
         .collect();
-    file.vertices
-        .extend(named.difference(&known).map(|&id| G2oVertex {
-            id,
-            world_from_vertex: Isometry3::identity(),
-        }));
+    let missing = named.difference(&known).map(|&id| G2oVertex {
+        id,
+        world_from_vertex: Isometry3::identity(),
+    });
+    file.vertices.extend(missing);
     file.vertices.sort_by_key(|vertex| vertex.id);
 }
 
 /// The graph of the file's edges; nodes are the vertices in their order. An edge weighs as much as it
 /// knows of its rotation: the trace of that block of its information, relative to the largest.
-fn pose_graph(file: &G2o) -> Result<PoseGraph, Failure> {
+fn pose_graph(file: &G2o) -> Result<PoseGraph, String> {
     let vertices = file.vertices.iter().enumerate();
     let node: HashMap<usize, usize> = vertices.map(|(node, vertex)| (vertex.id, node)).collect();
-    let certainty = |edge: &G2oEdge| edge.information.fixed_view::<3, 3>(3, 3).trace().max(0.0);
+    let certainty = |edge: &G2oEdge| edge.information.fixed_view::<3, 3>(3, 3).trace();
+    for edge in &file.edges {
+        let G2oEdge { i, j, .. } = edge;
+        if i == j {
+            return Err(format!("an edge joins vertex {i} with itself"));
+        }
+        let certainty = certainty(edge);
+        if !(0.0..f64::INFINITY).contains(&certainty) {
+            return Err(format!(
+                "the edge of vertices {i} and {j} has rotation information of trace {certainty:e}: it must be \
+                 finite and not negative"
+            ));
+        }
+    }
     let largest = file.edges.iter().map(certainty).fold(0.0, f64::max);
-    let weight = |edge: &G2oEdge| match largest {
-        0.0 => 1.0,
-        _ => certainty(edge) / largest,
-    };
-    let edge = |edge: &G2oEdge| PoseEdge {
+    if largest == 0.0 {
+        return Err("no EDGE_SE3:QUAT record with information on its rotation".into());
+    }
+    let edges = file.edges.iter().map(|edge| PoseEdge {
         i: node[&edge.i],
         j: node[&edge.j],
         i_from_j: edge.i_from_j,
-        weight: weight(edge),
-    };
-    let edges = file.edges.iter().map(edge).collect();
-    Ok(PoseGraph::new(file.vertices.len(), edges)?)
+        weight: certainty(edge) / largest,
+    });
+    PoseGraph::new(file.vertices.len(), edges.collect()).map_err(|error| error.to_string())
+}
+
+/// Puts the new poses into the frame of the file: the first vertex of a component of which the file has a
+/// pose keeps it.
+fn move_vertices(vertices: &mut [G2oVertex], posed: &BTreeSet<usize>, result: &Synchronization) {
+    for nodes in result.components.members() {
+        let reference = nodes
+            .iter()
+            .find(|&&node| posed.contains(&vertices[node].id));
+        let file_from_world = reference.map_or_else(Isometry3::identity, |&node| {
+            vertices[node].world_from_vertex * result.world_from_scan[node].inverse()
+        });
+        for &node in nodes {
+            vertices[node].world_from_vertex = file_from_world * result.world_from_scan[node];
+        }
+    }
 }
 
 /// How far measured relative poses are off those of the vertices, in ascending order.

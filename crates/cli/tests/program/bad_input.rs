@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{Run, Workplace, program, room};
+use crate::common::{Run, Workplace, program, room, write_ply};
 
 /// What the program says about input that it cannot use at all.
 fn complaint(arguments: &[&str]) -> String {
@@ -25,7 +25,7 @@ fn folders_and_files_that_are_not_there_are_named() {
     let register = |input: &str| complaint(&["register", input, "-o", &out]);
     assert_said(
         &register(&place.text("nowhere")),
-        &["nowhere does not exist"],
+        &["nowhere: there is no such folder or file"],
     );
     place.create("empty");
     assert_said(&register(&place.text("empty")), &["empty holds no"]);
@@ -233,7 +233,7 @@ fn what_is_no_result_is_told() {
     let foreign = place.write("foreign.json", "{\"scans\": 3}");
     assert_said(
         &complaint(&["eval", &foreign, &truth]),
-        &["foreign.json is no result.json"],
+        &["foreign.json: no result.json"],
     );
     place.register(0, "scans", "out", &[]);
     let result = place.text("out/result.json");
@@ -243,6 +243,130 @@ fn what_is_no_result_is_told() {
     let many = place.write("many.txt", many);
     assert_said(
         &complaint(&["eval", &result, &many]),
-        &["the truth has 9 scans, the result 6"],
+        &["the truth is of 7 scans, the result of 6"],
     );
+}
+
+#[test]
+fn truths_that_cannot_be_are_named() {
+    let place = Workplace::with_scans();
+    place.register(0, "scans", "out", &[]);
+    let result = place.text("out/result.json");
+    let pose = "1 0 0 0 0 1 0 0 0 0 1 0";
+    for (content, reason) in [
+        (String::new(), "there is no pose in it"),
+        (format!("0 {pose}\n0 {pose}\n"), "scan 0 has two poses"),
+        (
+            format!("18446744073709551615 {pose}\n"),
+            "the truth is of 18446744073709551615 scans",
+        ),
+    ] {
+        let file = place.write("truth.txt", content);
+        assert_said(
+            &complaint(&["eval", &result, &file]),
+            &["truth.txt", reason],
+        );
+    }
+    let log = place.write("gt.log", "");
+    assert_said(
+        &complaint(&["eval", &result, &log]),
+        &["gt.log", "there is no pair in it"],
+    );
+}
+
+#[test]
+fn results_changed_by_hand_are_refused() {
+    let place = Workplace::with_scans();
+    let result = place.register(0, "scans", "out", &[]);
+    let truth = place.write("truth.txt", "0 1 0 0 0 0 1 0 0 0 0 1 0\n");
+    type Spoil = fn(&mut serde_json::Value);
+    let cases: [(Spoil, &str); 4] = [
+        (
+            |r| r["components"] = serde_json::json!([[0, 999]]),
+            "names a scan 999",
+        ),
+        (
+            |r| r["components"] = serde_json::json!([]),
+            "components do not fit",
+        ),
+        (
+            |r| r["scans"][1]["world_from_scan"][0] = 7.into(),
+            "the pose of scan 1 is no rigid motion",
+        ),
+        (|r| r["format"] = 2.into(), "the form of the file is 2"),
+    ];
+    for (spoil, reason) in cases {
+        let mut spoiled = result.clone();
+        spoil(&mut spoiled);
+        let file = place.write("spoiled.json", spoiled.to_string());
+        assert_said(
+            &complaint(&["eval", &file, &truth]),
+            &["spoiled.json", reason],
+        );
+    }
+}
+
+#[test]
+fn graphs_that_cannot_be_are_told_by_their_vertices() {
+    let place = Workplace::new();
+    let edge = |i: usize, j: usize, r: &str| {
+        format!(
+            "EDGE_SE3:QUAT {i} {j} 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 {r} 0 0 {r} 0 {r}\n"
+        )
+    };
+    for (content, reason) in [
+        (edge(7, 7, "1"), "an edge joins vertex 7 with itself"),
+        (
+            edge(7, 9, "1e308"),
+            "the edge of vertices 7 and 9 has rotation information",
+        ),
+        (edge(7, 9, "-1"), "finite and not negative"),
+        (edge(7, 9, "0"), "no EDGE_SE3:QUAT record with information"),
+    ] {
+        let file = place.write("odd.g2o", content);
+        assert_said(&complaint(&["sync", &file]), &["odd.g2o", reason]);
+    }
+}
+
+#[test]
+fn a_return_at_the_end_of_the_world_is_left_out() {
+    let place = Workplace::with_scans();
+    let mut cloud = room().clouds[0].clone();
+    cloud.push([f64::from(f32::MAX), 0.0, 0.0].into());
+    write_ply(&place.path("scans/scan_0.ply"), &cloud);
+    let run = Run::ending_with(
+        0,
+        &["register", &place.text("scans"), "-o", &place.text("out")],
+    );
+    assert_said(&run.stderr, &["scan_0.ply: 1 points far off left out"]);
+}
+
+#[test]
+fn a_scan_is_not_overwritten() {
+    let place = Workplace::with_scans();
+    let merged = place.text("scans/merged.ply");
+    fs::copy(place.path("scans/scan_0.ply"), &merged).unwrap();
+    let scans = place.text("scans");
+    let said = complaint(&[
+        "register",
+        &place.text("scans/scan_1.ply"),
+        &merged,
+        "-o",
+        &scans,
+    ]);
+    assert_said(&said, &["merged.ply", "would be overwritten"]);
+}
+
+#[test]
+fn a_voxel_that_cannot_thin_is_an_error() {
+    let place = Workplace::with_scans();
+    let said = complaint(&[
+        "register",
+        &place.text("scans"),
+        "-o",
+        &place.text("out"),
+        "--thin=1e-30",
+    ]);
+    assert_said(&said, &["--thin", "the other files are complete"]);
+    assert_eq!(place.files("out").len(), 6);
 }

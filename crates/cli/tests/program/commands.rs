@@ -150,7 +150,7 @@ fn every_form_of_truth_is_understood() {
         }
     }
     let json = Run::ending_with(0, &["eval", &result, &place.text("gt.log"), "--json"]).json();
-    assert_eq!(json["gt"]["within_15_degrees_and_0.3"], 1.0);
+    assert_eq!(json["gt"]["share_within"], 1.0);
     let text = Run::ending_with(0, &["eval", &result, &place.text("gt.log"), "-v"]).stdout;
     assert!(text.contains("0 – 3"), "{text}");
 }
@@ -215,4 +215,42 @@ fn shells_get_their_completions() {
         let script = Run::ending_with(0, &["completions", shell]).stdout;
         assert!(script.contains("descriptors"), "{shell}");
     }
+}
+
+#[test]
+fn a_solved_graph_stays_in_the_world_of_its_file() {
+    let place = Workplace::new();
+    let vertex = |id: usize, x: f64| format!("VERTEX_SE3:QUAT {id} {x} 0 0 0 0 0 1\n");
+    let edge = |i: usize, j: usize| {
+        format!("EDGE_SE3:QUAT {i} {j} 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n")
+    };
+    let graph =
+        vertex(10, 100.0) + &vertex(11, 0.0) + &vertex(50, -7.0) + &edge(10, 11) + &edge(11, 12);
+    let (graph, out) = (place.write("world.g2o", graph), place.text("solved.g2o"));
+    let run = Run::ending_with(2, &["sync", &graph, "-o", &out]);
+    assert!(
+        !run.stdout.contains("before"),
+        "vertex 12 has no pose: {}",
+        run.stdout
+    );
+    let vertices = read_g2o(&out).unwrap().vertices;
+    let places = vertices
+        .iter()
+        .map(|v| (v.id, v.world_from_vertex.translation.x.round()));
+    assert_eq!(
+        places.collect::<Vec<_>>(),
+        [(10, 100.0), (11, 101.0), (12, 102.0), (50, -7.0)]
+    );
+}
+
+#[test]
+fn parameters_are_printed_whatever_the_verbosity() {
+    let text = Run::ending_with(0, &["params"]).stdout;
+    assert_eq!(Run::ending_with(0, &["params", "-q"]).stdout, text);
+    let json =
+        Run::ending_with(0, &["params", "--set", "sync.method=no-recovery", "--json"]).json();
+    assert_eq!(
+        (json["sync.method"].as_str(), json["sync.recovery"].as_f64()),
+        (Some("no-recovery"), Some(0.0))
+    );
 }

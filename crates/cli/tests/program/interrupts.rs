@@ -41,3 +41,32 @@ fn an_interrupt_ends_the_work_between_two_files() {
             .all(|name| !name.ends_with(".part"))
     );
 }
+
+#[test]
+fn a_request_to_terminate_ends_even_what_has_no_items() {
+    let place = Workplace::new();
+    // A chain of thousands of poses, solved again and again.
+    let edge = |i: usize| {
+        let j = i + 1;
+        format!("EDGE_SE3:QUAT {i} {j} 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n")
+    };
+    let graph: String = (0..5000).map(edge).collect();
+    let graph = place.write("chain.g2o", graph);
+    let arguments = ["sync", &graph, "--iterations", "100000"];
+    let child = program(&arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    sleep(Duration::from_millis(500));
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-TERM", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let run: Run = child.wait_with_output().unwrap().into();
+    assert_eq!(run.code, Some(130), "{}{}", run.stdout, run.stderr);
+}

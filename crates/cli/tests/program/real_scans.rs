@@ -29,9 +29,15 @@ fn an_object_is_registered_by_the_same_command() {
     let place = Workplace::new();
     let out = place.text("out");
     Run::ending_with(0, &["register", folder.to_str().unwrap(), "-o", &out]);
-    let result = place.text("out/result.json");
-    let truth = folder.join("gt_3dmatch.log");
-    assert!(recall(&result, truth.to_str().unwrap(), "gt_3dmatch") > 0.7);
+    let (result, truth) = (place.text("out/result.json"), folder.join("poses.txt"));
+    let json = Run::ending_with(0, &["eval", &result, truth.to_str().unwrap(), "--json"]).json();
+    // Of an object of 15 cm.
+    let median = &json["poses"]["relative"]["median"];
+    assert!(
+        median["rotation_degrees"].as_f64().unwrap() < 8.0,
+        "{json:#}"
+    );
+    assert!(median["translation"].as_f64().unwrap() < 0.015, "{json:#}");
 }
 
 #[cfg(target_os = "linux")]

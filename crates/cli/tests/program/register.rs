@@ -155,7 +155,7 @@ fn thinning_leaves_fewer_points() {
     let sizes = [
         ("whole", &[][..]),
         ("thin", &["--thin"]),
-        ("coarse", &["--thin", "0.5"]),
+        ("coarse", &["--thin=0.5"]),
     ];
     let sizes = sizes.map(|(out, options)| {
         place.register(0, "scans", out, options);
