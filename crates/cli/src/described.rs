@@ -12,6 +12,7 @@ use crate::config::Config;
 use crate::outcome::Failure;
 use crate::progress::Progress;
 use crate::scans::{Cloud, localize_georeferenced, read_clouds};
+use crate::table::counted;
 
 /// Scans ready to be registered.
 pub struct DescribedScans {
@@ -143,10 +144,8 @@ fn attached(files: &[PathBuf], folder: &Path) -> Result<Vec<DescriptorFiles>, Fa
 fn fpfh_scan(cloud: &mut Cloud, params: &FeatureParams, progress: &Progress) -> Scan {
     let num_strays = cloud.drop_strays(params.voxel_size);
     if num_strays > 0 {
-        progress.say(&format!(
-            "{}: {num_strays} points far off left out",
-            cloud.name
-        ));
+        let strays = counted(num_strays, "point");
+        progress.say(&format!("{}: {strays} far off left out", cloud.name));
     }
     let mut params = *params;
     params.normals.viewpoint = cloud.viewpoint;

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::outcome::Failure;
 use crate::progress::Progress;
+use crate::table::counted;
 
 /// A scan as it was read.
 pub struct Cloud {
@@ -150,9 +151,10 @@ pub fn read_clouds(files: &[PathBuf], progress: &Progress) -> Result<Vec<Cloud>,
             progress.say(&format!("left out: {problem}; mend or remove the file"));
         }
         if cloud.invalid > 0 {
+            let invalid = counted(cloud.invalid, "point");
             progress.say(&format!(
-                "{}: {} points without a position left out",
-                cloud.name, cloud.invalid
+                "{}: {invalid} without a position left out",
+                cloud.name
             ));
         }
     }

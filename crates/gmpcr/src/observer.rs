@@ -49,35 +49,42 @@ impl fmt::Display for Stage {
 /// What is observed does not influence the result.
 ///
 /// ```
+/// use std::sync::atomic::{AtomicBool, Ordering};
+///
 /// use gmpcr::{Descriptors, Error, Observer, Params, Scan, Stage, register_observed};
 ///
-/// /// Stops before a stage.
-/// struct Until(Stage, std::sync::atomic::AtomicBool);
+/// /// Stops before pairs are scored.
+/// #[derive(Default)]
+/// struct SamplingOnly {
+///     is_over: AtomicBool,
+/// }
 ///
-/// impl Observer for Until {
+/// impl Observer for SamplingOnly {
 ///     fn begin(&self, stage: Stage, _num_items: usize) {
-///         self.1.store(stage == self.0, std::sync::atomic::Ordering::Relaxed);
+///         self.is_over.store(stage == Stage::Scoring, Ordering::Relaxed);
 ///     }
 ///     fn is_cancelled(&self) -> bool {
-///         self.1.load(std::sync::atomic::Ordering::Relaxed)
+///         self.is_over.load(Ordering::Relaxed)
 ///     }
 /// }
 ///
 /// let scan = Scan::new(vec![[0.0; 3].into()], Descriptors::new(vec![0.0], 1)?)?;
-/// let observer = Until(Stage::Scoring, false.into());
+/// let observer = SamplingOnly::default();
 /// let outcome = register_observed(&[scan.clone(), scan], &Params::default(), &observer);
 /// assert!(matches!(outcome, Err(Error::Cancelled { stage: Stage::Scoring })));
 /// # Ok::<(), Error>(())
 /// ```
 pub trait Observer: Sync {
-    /// A stage begins, which has `num_items` items.
+    /// A stage begins, which has `num_items` items. Called by the thread of the caller, before any of
+    /// them.
     fn begin(&self, _stage: Stage, _num_items: usize) {}
 
     /// An item of the stage that began last is done. Called from any thread.
     fn item_done(&self) {}
 
     /// Whether the registration is to end with [`Error::Cancelled`](crate::Error::Cancelled): asked
-    /// before every item, from any thread.
+    /// before every item, from any thread. Items under way are finished; selection and
+    /// synchronisation are one item each.
     fn is_cancelled(&self) -> bool {
         false
     }

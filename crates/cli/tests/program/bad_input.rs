@@ -338,7 +338,7 @@ fn a_return_at_the_end_of_the_world_is_left_out() {
         0,
         &["register", &place.text("scans"), "-o", &place.text("out")],
     );
-    assert_said(&run.stderr, &["scan_0.ply: 1 points far off left out"]);
+    assert_said(&run.stderr, &["scan_0.ply: 1 point far off left out"]);
 }
 
 #[test]
