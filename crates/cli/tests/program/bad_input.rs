@@ -3,6 +3,7 @@
 use std::fs;
 
 use crate::common::{Run, Workplace, program, room, write_ply};
+use crate::formats::write_las;
 
 /// What the program says about input that it cannot use at all.
 fn complaint(arguments: &[&str]) -> String {
@@ -96,17 +97,7 @@ fn files_that_are_cut_off_are_left_out_and_named() {
     let whole = fs::read(place.path("scans/scan_5.ply")).unwrap();
     cut(&place, "scan_5.ply", &whole);
     let las = place.path("whole.las");
-    let mut writer = las::Writer::from_path(&las, Default::default()).unwrap();
-    for p in room().clouds[5].iter().take(500) {
-        let point = las::Point {
-            x: p.x,
-            y: p.y,
-            z: p.z,
-            ..Default::default()
-        };
-        writer.write_point(point).unwrap();
-    }
-    writer.close().unwrap();
+    write_las(&las, &room().clouds[5][..500]);
     cut(&place, "scan_6.las", &fs::read(&las).unwrap());
     fs::write(place.path("scans/scan_7.e57"), b"ASTM-E57 and no more").unwrap();
     fs::write(place.path("scans/scan_8.pcd"), b"").unwrap();

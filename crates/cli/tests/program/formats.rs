@@ -49,7 +49,7 @@ fn npy(points: &[Point3<f64>]) -> Vec<u8> {
     bytes
 }
 
-fn write_las(path: &Path, points: &[Point3<f64>]) {
+pub fn write_las(path: &Path, points: &[Point3<f64>]) {
     let mut builder = las::Builder::from((1, 4));
     for (axis, transform) in [
         &mut builder.transforms.x,

@@ -1,4 +1,4 @@
-//! Ctrl-C.
+//! Ctrl-C, and requests to terminate.
 
 #![cfg(unix)]
 
@@ -8,6 +8,23 @@ use std::time::Duration;
 
 use crate::common::{Run, Workplace, program, room, write_ply};
 
+/// Runs the program, which gets a signal after a while, and must end as one that was interrupted.
+fn interrupted(signal: &str, milliseconds: u64, arguments: &[&str]) {
+    let mut command = program(arguments);
+    let child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    sleep(Duration::from_millis(milliseconds));
+    let id = child.id().to_string();
+    let killed = Command::new("kill").args([signal, &id]).status().unwrap();
+    assert!(killed.success(), "the program was over before");
+    let run: Run = child.wait_with_output().unwrap().into();
+    assert_eq!(run.code, Some(130), "{}{}", run.stdout, run.stderr);
+    assert!(run.stderr.contains("interrupted"), "{}", run.stderr);
+}
+
 #[test]
 fn an_interrupt_ends_the_work_between_two_files() {
     let place = Workplace::new();
@@ -16,30 +33,15 @@ fn an_interrupt_ends_the_work_between_two_files() {
     for k in 0..60 {
         write_ply(&scans.join(format!("scan_{k}.ply")), &room().clouds[k % 6]);
     }
-    let arguments = ["register", &place.text("scans"), "-o", &place.text("out")];
-    let child = program(&arguments)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    sleep(Duration::from_millis(300));
-    let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
-    let run: Run = child.wait_with_output().unwrap().into();
-    assert_eq!(run.code, Some(130), "{}{}", run.stdout, run.stderr);
-    assert!(run.stderr.contains("interrupted"), "{}", run.stderr);
+    let (scans, out) = (place.text("scans"), place.text("out"));
+    interrupted("-INT", 300, &["register", &scans, "-o", &out]);
     assert!(
         place
             .files("out")
             .iter()
             .all(|name| !name.ends_with(".part"))
     );
+    interrupted("-INT", 300, &["info", &scans]);
 }
 
 #[test]
@@ -52,21 +54,5 @@ fn a_request_to_terminate_ends_even_what_has_no_items() {
     };
     let graph: String = (0..5000).map(edge).collect();
     let graph = place.write("chain.g2o", graph);
-    let arguments = ["sync", &graph, "--iterations", "100000"];
-    let child = program(&arguments)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    sleep(Duration::from_millis(500));
-    let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-TERM", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
-    let run: Run = child.wait_with_output().unwrap().into();
-    assert_eq!(run.code, Some(130), "{}{}", run.stdout, run.stderr);
+    interrupted("-TERM", 500, &["sync", &graph, "--iterations", "100000"]);
 }
