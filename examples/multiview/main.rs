@@ -18,9 +18,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 use gmpcr::sync::Method;
-use gmpcr::{Params, Registration, register};
+use gmpcr::{Params, Preset, Registration, register};
 use gmpcr_examples::{positive, report};
 
 use evaluation::print_evaluation;
@@ -40,8 +40,8 @@ struct Arguments {
     /// tolerances of compatibility and inliers 2.
     #[arg(long, default_value_t = 0.05, value_parser = positive, allow_hyphen_values = true)]
     voxel: f64,
-    /// Parameters of the paper for one of its datasets.
-    #[arg(long, value_enum, default_value_t = Preset::Threedmatch)]
+    /// Parameters of the paper for one of its datasets: threedmatch, threedlomatch, scannet or eth.
+    #[arg(long, default_value = "threedmatch")]
     preset: Preset,
     /// Keypoints per scan, instead of the preset's.
     #[arg(long)]
@@ -86,25 +86,6 @@ impl Arguments {
             params.sync.method = method;
         }
         params
-    }
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Preset {
-    Threedmatch,
-    Threedlomatch,
-    Scannet,
-    Eth,
-}
-
-impl Preset {
-    fn params(self) -> Params {
-        match self {
-            Self::Threedmatch => Params::threedmatch(),
-            Self::Threedlomatch => Params::threedlomatch(),
-            Self::Scannet => Params::scannet(),
-            Self::Eth => Params::eth(),
-        }
     }
 }
 

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use gmpcr::Preset;
 use gmpcr::sync::Method;
-
-use crate::config::Preset;
 
 /// Registers overlapping point clouds: one globally consistent pose per scan, also at low overlap.
 #[derive(Parser)]
@@ -149,8 +148,9 @@ pub struct ParamsArguments {
 /// Parameters: a preset, then the file, then single ones.
 #[derive(Args)]
 pub struct Tuning {
-    /// Parameters of the paper for one of its datasets; threedlomatch suits scans of little overlap.
-    #[arg(long, value_enum, default_value_t = Preset::Threedmatch)]
+    /// Parameters of the paper for one of its datasets: threedmatch (indoor fragments), threedlomatch (of
+    /// little overlap), scannet (RGB-D sequences) or eth (outdoor laser scans).
+    #[arg(long, default_value = "threedmatch")]
     pub preset: Preset,
     /// Working voxel in the unit of the scans, instead of the estimated one. All lengths follow it.
     #[arg(long, value_name = "SIZE", value_parser = positive, allow_hyphen_values = true)]

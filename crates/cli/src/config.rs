@@ -3,39 +3,14 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use clap::ValueEnum;
-use gmpcr::Params;
 use gmpcr::features::FeatureParams;
 use gmpcr::sync::{AdaptiveHistory, History, Method};
+use gmpcr::{Params, Preset};
 use serde_json::json;
 use toml::{Table, Value};
 
 use crate::arguments::Tuning;
 use crate::outcome::Failure;
-
-/// The paper's parameters for one of its datasets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Preset {
-    // Indoor fragments, overlaps above 30 %.
-    Threedmatch,
-    // Indoor fragments, overlaps of 10–30 %.
-    Threedlomatch,
-    // Indoor RGB-D sequences.
-    Scannet,
-    // Outdoor laser scans.
-    Eth,
-}
-
-impl Preset {
-    fn params(self) -> Params {
-        match self {
-            Self::Threedmatch => Params::threedmatch(),
-            Self::Threedlomatch => Params::threedlomatch(),
-            Self::Scannet => Params::scannet(),
-            Self::Eth => Params::eth(),
-        }
-    }
-}
 
 /// The parameters of a run. Lengths are in working voxels until the voxel is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -427,14 +402,14 @@ mod tests {
     }
 
     fn complaint(set: &str) -> String {
-        let outcome = Config::new(&tuning(Preset::Threedmatch, &[set]));
+        let outcome = Config::new(&tuning(Preset::ThreeDMatch, &[set]));
         outcome.unwrap_err().to_string()
     }
 
     #[test]
     fn a_preset_at_five_centimetres_has_the_numbers_of_the_paper() {
-        for preset in Preset::value_variants() {
-            let config = Config::new(&tuning(*preset, &[])).unwrap();
+        for preset in Preset::ALL {
+            let config = Config::new(&tuning(preset, &[])).unwrap();
             assert_eq!(config.params(0.05), preset.params());
             assert_eq!(config.features(0.05), FeatureParams::default());
         }
@@ -447,7 +422,7 @@ mod tests {
         let changes = ["voxel=0.02", "sync.method=hara", "sync.residual_scale=7"];
         let written = Config::new(&tuning(Preset::Eth, &changes)).unwrap();
         std::fs::write(&path, written.to_toml()).unwrap();
-        let mut from_file = tuning(Preset::Threedmatch, &[]);
+        let mut from_file = tuning(Preset::ThreeDMatch, &[]);
         from_file.config = Some(path);
         let read = Config::new(&from_file).unwrap();
         assert_eq!(read.to_json(), written.to_json());
@@ -456,7 +431,7 @@ mod tests {
 
     #[test]
     fn every_parameter_can_be_set_and_shows() {
-        let unchanged = Config::preset(Preset::Threedmatch);
+        let unchanged = Config::preset(Preset::ThreeDMatch);
         for key in KEYS {
             let value = match key.access {
                 Access::Voxel => Value::Float(0.3),

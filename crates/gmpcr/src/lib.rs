@@ -55,6 +55,7 @@ mod error;
 mod observer;
 mod pair;
 mod params;
+mod preset;
 mod register;
 mod registration;
 
@@ -65,6 +66,7 @@ pub use gmpcr_correspondence::{Descriptors, Scan};
 pub use observer::{Observer, Stage};
 pub use pair::{PairRegistration, register_pair};
 pub use params::Params;
+pub use preset::{Preset, UnknownPreset};
 pub use register::{register, register_observed};
 pub use registration::{EdgeEvidence, Registration, StageTimes, UnresolvedPair};
 
