@@ -172,7 +172,7 @@ fn check_paired(
 }
 
 /// Names of the visible files of a folder in natural order. A name that is no Unicode is no name
-/// of ours.
+/// of ours, but an error where it is that of a point cloud.
 pub(crate) fn file_names(folder: &Path) -> Result<Vec<String>, Error> {
     names(folder, Path::is_file)
 }
@@ -186,11 +186,17 @@ fn names(folder: &Path, is_wanted: fn(&Path) -> bool) -> Result<Vec<String>, Err
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).map_err(Error::io("list", folder))? {
         let entry = entry.map_err(Error::io("list", folder))?;
-        let Ok(name) = entry.file_name().into_string() else {
-            continue;
-        };
-        if !name.starts_with('.') && is_wanted(&entry.path()) {
-            names.push(name);
+        let path = entry.path();
+        match entry.file_name().into_string() {
+            Ok(name) if !name.starts_with('.') && is_wanted(&path) => names.push(name),
+            // Better an end than a scan that is silently missing.
+            Err(_) if Format::of(&path).is_some() => {
+                return Err(Error::malformed(
+                    &path,
+                    "its name is no Unicode text: rename it",
+                ));
+            }
+            _ => {}
         }
     }
     names.sort_by(|a, b| natural_order(a, b));
@@ -230,6 +236,23 @@ fn take_digits<'a>(text: &mut &'a str) -> &'a str {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_scan_whose_name_is_no_text_is_not_silently_missing() {
+        use std::os::unix::ffi::OsStrExt;
+        let folder = tempfile::tempdir().unwrap();
+        let name = |bytes| folder.path().join(std::ffi::OsStr::from_bytes(bytes));
+        fs::write(name(b"a.ply"), "").unwrap();
+        fs::write(name(b"note \xff"), "").unwrap();
+        assert_eq!(scan_files(folder.path()).unwrap().len(), 1);
+        fs::write(name(b"\xfe0.ply"), "").unwrap();
+        let error = scan_files(folder.path()).unwrap_err().to_string();
+        assert!(
+            error.contains("0.ply: its name is no Unicode text"),
+            "{error}"
+        );
+    }
 
     #[test]
     fn numbers_count_by_value_however_long() {
