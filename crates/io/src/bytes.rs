@@ -7,9 +7,9 @@ use std::path::Path;
 use crate::Error;
 
 /// A file that is being read, and its length in bytes.
-pub(crate) struct Source<'a, R = BufReader<File>> {
+pub(crate) struct Source<'a> {
     pub(crate) path: &'a Path,
-    pub(crate) reader: R,
+    pub(crate) reader: BufReader<File>,
     length: u64,
 }
 
@@ -32,21 +32,7 @@ impl<'a> Source<'a> {
             length,
         })
     }
-}
 
-#[cfg(feature = "npz")]
-impl<'a> Source<'a, std::io::Cursor<&'a [u8]>> {
-    /// A file that stands within the one at `path`.
-    pub(crate) fn of_bytes(path: &'a Path, bytes: &'a [u8]) -> Self {
-        Self {
-            path,
-            reader: std::io::Cursor::new(bytes),
-            length: bytes.len() as u64,
-        }
-    }
-}
-
-impl<'a, R: BufRead + Seek> Source<'a, R> {
     /// The lines up to the one that `is_last` accepts, after which the reader stands then; what is
     /// no text in them is replaced.
     ///

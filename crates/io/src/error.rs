@@ -33,6 +33,16 @@ pub enum Error {
         source: Option<Box<dyn StdError + Send + Sync>>,
     },
 
+    /// What should be written is nothing that the format can hold, by the caller's fault; the file is
+    /// as it was before.
+    #[error("cannot write {}: {reason}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+
     /// The file name does not tell a point file of a known kind.
     #[error(
         "{}: unknown kind of point file, known extensions are .{}",

@@ -22,6 +22,11 @@ use crate::{Error, PointFile};
 /// reads no LAZ. [`Error::Malformed`] if it is empty, foreign, cut off before its last point, or of an
 /// unknown version. The file is checked before memory is reserved, so a false count in the header is
 /// an error too.
+///
+/// # Panics
+/// Never, but the decompressor of LAZ may panic inside where the data are damaged. That is caught and
+/// becomes [`Error::Malformed`]; the panic hook of the program is called before, and by default prints
+/// a line. A program built with `panic = "abort"` ends there.
 pub fn read_las(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     let path = path.as_ref();
     let mut source = Source::open(path, "LAS", b"LASF")?;

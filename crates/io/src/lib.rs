@@ -43,7 +43,7 @@
 //!   an [`Error`] that names the file, the line where there is one, and the reason. No file causes a
 //!   panic, and memory is reserved only for what the file can hold. (Damaged LAZ may make the
 //!   decompressor panic, which is caught: the program's panic hook prints a line, the reader returns
-//!   the error.)
+//!   the error. Where panics abort, the program ends.)
 //! * An empty file is no point cloud, no matrix and no pose graph, hence an [`Error`]. Files of poses
 //!   and of benchmark pairs are lists without a header: an empty one is read as no entries.
 //! * Text cannot tell all cuts: one between two entries of a list, or within the last number of the

@@ -1,10 +1,10 @@
 //! Matrices in NumPy's array format, the common tongue of learned features.
 
-use std::io::{BufRead, Read, Seek};
+use std::io::Read;
 use std::path::Path;
 
 use nalgebra::Point3;
-use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar};
+use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
 use crate::bytes::Source;
 use crate::{Error, PointFile};
@@ -61,109 +61,180 @@ pub struct Descriptors {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_npy_matrix(path: impl AsRef<Path>) -> Result<NpyMatrix, Error> {
-    read_matrix(Source::open(path.as_ref(), "NPY", MAGIC)?)
+    let mut source = Source::open(path.as_ref(), "NPY", MAGIC)?;
+    let header = Header::of_file(&mut source)?;
+    header.matrix(&mut source.reader)
 }
 
 /// What an array starts with.
-pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
+const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// The points of a `.npy` file: the first three columns of its matrix.
 pub(crate) fn read_points(path: &Path) -> Result<PointFile, Error> {
-    let matrix = read_npy_matrix(path)?;
-    points(path, &matrix)
+    let mut source = Source::open(path, "NPY", MAGIC)?;
+    let header = Header::of_file(&mut source)?;
+    header.points(&mut source.reader)
 }
 
-pub(crate) fn points(path: &Path, matrix: &NpyMatrix) -> Result<PointFile, Error> {
-    let &NpyMatrix { rows, columns, .. } = matrix;
-    if columns < 3 {
-        let reason = format!("points are n x 3 or wider, but the array is {rows} x {columns}");
-        return Err(Error::malformed(path, reason));
+/// The header of a matrix, whose entries follow it.
+pub(crate) struct Header<'a> {
+    path: &'a Path,
+    header: NpyHeader,
+    rows: usize,
+    columns: usize,
+    is_double: bool,
+}
+
+impl<'a> Header<'a> {
+    pub(crate) fn new(path: &'a Path, header: NpyHeader) -> Result<Self, Error> {
+        let (rows, columns) = matrix_shape(path, &header)?;
+        let is_double = is_double(path, &header.dtype())?;
+        Ok(Self {
+            path,
+            header,
+            rows,
+            columns,
+            is_double,
+        })
     }
-    let mut scan = PointFile::default();
-    for row in matrix.values.chunks_exact(columns) {
-        scan.push([row[0], row[1], row[2]]);
+
+    /// The header of a file that is long enough for the entries.
+    fn of_file(source: &mut Source<'a>) -> Result<Self, Error> {
+        let header = read_header(source.path, &mut source.reader)?;
+        let header = Self::new(source.path, header)?;
+        source.expect_left(header.num_bytes(), &header.description())?;
+        Ok(header)
     }
-    Ok(scan)
+
+    /// Bytes of the entries; `None` stands for more than a number can say.
+    pub(crate) fn num_bytes(&self) -> Option<u64> {
+        let size = if self.is_double { 8 } else { 4 };
+        self.header.len().checked_mul(size)
+    }
+
+    pub(crate) fn description(&self) -> String {
+        format!("a matrix of shape {:?}", self.header.shape())
+    }
+
+    /// The entries, which `reader` is known to have.
+    fn matrix(self, reader: &mut impl Read) -> Result<NpyMatrix, Error> {
+        let (rows, columns, order) = (self.rows, self.columns, self.header.order());
+        let mut values = Vec::with_capacity(rows * columns);
+        self.for_each(reader, |value| values.push(value))?;
+        Ok(NpyMatrix {
+            rows,
+            columns,
+            values: match order {
+                Order::C => values,
+                Order::Fortran => by_rows(&values, rows, columns),
+            },
+        })
+    }
+
+    /// The first three columns. Memory grows with what is read.
+    pub(crate) fn points(self, reader: &mut impl Read) -> Result<PointFile, Error> {
+        let (rows, columns, order) = (self.rows, self.columns, self.header.order());
+        if columns < 3 {
+            let reason = format!("points are n x 3 or wider, but the array is {rows} x {columns}");
+            return Err(Error::malformed(self.path, reason));
+        }
+        let mut scan = PointFile::default();
+        match order {
+            Order::C => {
+                let mut point = [0.0; 3];
+                let mut column = 0;
+                self.for_each(reader, |value| {
+                    if let Some(coordinate) = point.get_mut(column) {
+                        *coordinate = value;
+                    }
+                    column += 1;
+                    if column == columns {
+                        scan.push(point);
+                        column = 0;
+                    }
+                })?;
+            }
+            Order::Fortran => {
+                let mut values = Vec::new();
+                self.for_each(reader, |value| {
+                    if values.len() < 3 * rows {
+                        values.push(value);
+                    }
+                })?;
+                for row in 0..rows {
+                    scan.push([0, 1, 2].map(|column| values[column * rows + row]));
+                }
+            }
+        }
+        Ok(scan)
+    }
+
+    /// Hands out all entries in the order of the file.
+    fn for_each(self, reader: &mut impl Read, take: impl FnMut(f64)) -> Result<(), Error> {
+        match self.is_double {
+            true => self.for_each_of::<f64>(reader, take),
+            false => self.for_each_of::<f32>(reader, take),
+        }
+    }
+
+    fn for_each_of<T: Deserialize + Into<f64>>(
+        self,
+        reader: &mut impl Read,
+        mut take: impl FnMut(f64),
+    ) -> Result<(), Error> {
+        let fault = |error| Error::parser(self.path, None, "entries", error);
+        let file = NpyFile::with_header(self.header, reader);
+        let entries = file.data::<T>();
+        for entry in entries.map_err(|error| fault(std::io::Error::other(error)))? {
+            take(entry.map_err(fault)?.into());
+        }
+        Ok(())
+    }
 }
 
-/// The header, after which `source` stands then.
-pub(crate) fn read_header(source: &mut Source<impl BufRead + Seek>) -> Result<NpyHeader, Error> {
-    check_header(source)?;
-    let header = NpyHeader::from_reader(&mut source.reader);
-    header.map_err(|error| Error::parser(source.path, None, "header", error))
-}
-
-pub(crate) fn read_matrix(mut source: Source<impl BufRead + Seek>) -> Result<NpyMatrix, Error> {
-    let path = source.path;
-    let header = read_header(&mut source)?;
-    let (rows, columns) = matrix_shape(path, &header)?;
-    let wide = is_double(path, &header.dtype())?;
-    let bytes = header.len().checked_mul(if wide { 8 } else { 4 });
-    source.expect_left(bytes, &format!("a matrix of shape {:?}", header.shape()))?;
-
-    let order = header.order();
-    let file = NpyFile::with_header(header, source.reader);
-    let values = if wide {
-        file.into_vec::<f64>()
-    } else {
-        let narrow = file.into_vec::<f32>();
-        narrow.map(|values| values.into_iter().map(f64::from).collect())
-    };
-    let values = values.map_err(|error| Error::parser(path, None, "entries", error))?;
-    Ok(NpyMatrix {
-        rows,
-        columns,
-        values: match order {
-            Order::C => values,
-            Order::Fortran => by_rows(&values, rows, columns),
-        },
-    })
-}
-
+/// The header, after which `reader` stands then.
+///
 /// Turns away headers that would overwhelm the header parser, which multiplies the shape without
 /// looking for overflow, descends into nested brackets, and reserves whatever length it is told.
 ///
 /// A header of a plain matrix is short and flat, and the decimal digits of its shape are few: up to
 /// 18 of them, besides the digit of the type, multiply to less than 2^64.
-fn check_header(source: &mut Source<impl BufRead + Seek>) -> Result<(), Error> {
+pub(crate) fn read_header(path: &Path, reader: &mut impl Read) -> Result<NpyHeader, Error> {
     // As NumPy does by default.
     const LONGEST: u64 = 10_000;
-    let path = source.path;
+    let fault = |error| Error::parser(path, None, "header", error);
     let refuse = |reason: &str| Err(Error::malformed(path, format!("header: {reason}")));
 
-    let length = header_length(source)?;
-    if length > LONGEST.min(source.bytes_left()?) {
+    let mut header = vec![0; 8];
+    reader.read_exact(&mut header).map_err(fault)?;
+    if !header.starts_with(MAGIC) {
+        return refuse("not that of an NPY file");
+    }
+    // Two bytes in version 1 of the format, four in later ones.
+    let mut length = [0; 4];
+    let num_bytes = if header[6] == 1 { 2 } else { 4 };
+    reader.read_exact(&mut length[..num_bytes]).map_err(fault)?;
+    header.extend(&length[..num_bytes]);
+    let length = u32::from_le_bytes(length).into();
+    if length > LONGEST {
         return refuse(&format!("a length of {length} bytes is too much"));
     }
-    let mut header = Vec::new();
-    let read = source.reader.by_ref().take(length).read_to_end(&mut header);
-    read.map_err(Error::io("read", path))?;
-    source.reader.rewind().map_err(Error::io("read", path))?;
+    let text = header.len();
+    reader
+        .take(length)
+        .read_to_end(&mut header)
+        .map_err(fault)?;
 
-    let count = |wanted: fn(&u8) -> bool| header.iter().filter(|&byte| wanted(byte)).count();
+    let text = &header[text..];
+    let count = |wanted: fn(&u8) -> bool| text.iter().filter(|&byte| wanted(byte)).count();
     if count(|byte| b"({[".contains(byte)) > 2 {
         return refuse("only arrays of a plain number type are supported");
     }
-    let hexadecimal = header
-        .windows(2)
-        .any(|pair| pair.eq_ignore_ascii_case(b"0x"));
+    let hexadecimal = text.windows(2).any(|pair| pair.eq_ignore_ascii_case(b"0x"));
     if hexadecimal || count(u8::is_ascii_digit) > 19 {
         return refuse("the shape is out of range");
     }
-    Ok(())
-}
-
-/// Length of the header's text: two bytes in version 1 of the format, four in later ones.
-fn header_length(source: &mut Source<impl BufRead + Seek>) -> Result<u64, Error> {
-    let mut start = [0; 8];
-    let mut length = [0; 4];
-    let reader = &mut source.reader;
-    let read = reader.read_exact(&mut start).and_then(|()| match start[6] {
-        1 => reader.read_exact(&mut length[..2]),
-        _ => reader.read_exact(&mut length),
-    });
-    read.map_err(|error| Error::parser(source.path, None, "header", error))?;
-    Ok(u32::from_le_bytes(length).into())
+    NpyHeader::from_reader(&*header).map_err(fault)
 }
 
 fn matrix_shape(path: &Path, header: &NpyHeader) -> Result<(usize, usize), Error> {
@@ -339,6 +410,51 @@ mod tests {
                 let matrix = read(&npy(&header(descr, fortran, "2, 3"), &entries)).unwrap();
                 assert_eq!((matrix.rows, matrix.columns), (2, 3));
                 assert_eq!(matrix.values, ROWS, "{descr} {fortran}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_are_the_first_three_columns_in_every_type_and_order() {
+        let by_rows = [
+            1.0,
+            2.0,
+            3.0,
+            9.0,
+            f64::NAN,
+            0.0,
+            0.0,
+            9.0,
+            4.0,
+            5.0,
+            6.0,
+            9.0,
+        ];
+        let by_columns = [
+            1.0,
+            f64::NAN,
+            4.0,
+            2.0,
+            0.0,
+            5.0,
+            3.0,
+            0.0,
+            6.0,
+            9.0,
+            9.0,
+            9.0,
+        ];
+        for (fortran, stored) in [("False", by_rows), ("True", by_columns)] {
+            let single = stored.map(|value| value as f32);
+            for (descr, entries) in [
+                ("<f4", single.map(f32::to_le_bytes).concat()),
+                (">f8", stored.map(f64::to_be_bytes).concat()),
+            ] {
+                let (_folder, path) = file(&npy(&header(descr, fortran, "3, 4"), &entries));
+                let scan = read_points(&path).unwrap();
+                let expected = [[1.0, 2.0, 3.0].into(), [4.0, 5.0, 6.0].into()];
+                assert_eq!(scan.points, expected, "{descr} {fortran}");
+                assert_eq!(scan.invalid, 1);
             }
         }
     }

@@ -1,10 +1,11 @@
 //! Points in archives of NumPy arrays.
 
 use std::fs::File;
-use std::io::{BufReader, Cursor, Read};
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use zip::ZipArchive;
+use zip::read::ZipFile;
 
 use crate::bytes::Source;
 use crate::{Error, PointFile, npy};
@@ -12,38 +13,60 @@ use crate::{Error, PointFile, npy};
 /// What people call an array of points, the most telling name first.
 const NAMES: [&str; 5] = ["points", "xyz", "pcd", "pc", "positions"];
 
+/// A match of deflate takes two bits at least and stands for 258 bytes at most.
+const MOST_BYTES_OF_A_BYTE: u64 = 1032;
+
 type Archive = ZipArchive<BufReader<File>>;
 
 /// The points of a `.npz` file: the first three columns of the array that has one of the usual names,
 /// otherwise of the only matrix that is wide enough.
+///
+/// Points are taken from the array as it is unpacked, and no more is unpacked than its shape tells.
 pub(crate) fn read_points(path: &Path) -> Result<PointFile, Error> {
     let source = Source::open(path, "NPZ", b"PK")?;
     let archive = ZipArchive::new(source.reader);
     let mut archive = archive.map_err(|error| Error::parser(path, None, "archive", error))?;
     let place = array_of_points(path, &mut archive)?;
-    let bytes = entry(path, &mut archive, place, u64::MAX)?;
-    let matrix = npy::read_matrix(array(path, &bytes)?)?;
-    npy::points(path, &matrix)
+    let mut array = array(path, &mut archive, place)?;
+    let header = npy::Header::new(path, npy::read_header(path, &mut array)?)?;
+    check_size(path, &header, array.get_ref().compressed_size())?;
+    let scan = header.points(&mut array)?;
+    // The checksum is looked at where the array ends.
+    let rest = array.fill_buf();
+    match rest.map_err(|error| Error::parser(path, None, "archive", error))? {
+        [] => Ok(scan),
+        _ => Err(Error::malformed(path, "the array is longer than its shape")),
+    }
+}
+
+fn check_size(path: &Path, header: &npy::Header, packed: u64) -> Result<(), Error> {
+    let most = packed.saturating_mul(MOST_BYTES_OF_A_BYTE);
+    match header.num_bytes() {
+        Some(needed) if needed <= most => Ok(()),
+        _ => Err(Error::malformed(
+            path,
+            format!("{packed} bytes cannot unpack to {}", header.description()),
+        )),
+    }
 }
 
 /// The place in the archive.
 fn array_of_points(path: &Path, archive: &mut Archive) -> Result<usize, Error> {
-    let mut arrays = Vec::new();
+    let mut names = Vec::new();
     for place in 0..archive.len() {
-        let name = match archive.name_for_index(place) {
-            Some(Ok(name)) => name.into_owned(),
-            _ => continue,
-        };
-        if let Some(name) = name.strip_suffix(".npy") {
-            let shape = shape(path, archive, place)?;
-            arrays.push((place, name.to_owned(), shape));
+        if let Some(Ok(name)) = archive.name_for_index(place)
+            && let Some(name) = name.strip_suffix(".npy")
+        {
+            names.push((place, name.to_owned()));
         }
     }
-    let named = NAMES
-        .iter()
-        .find_map(|wanted| arrays.iter().find(|(_, name, _)| name == wanted));
-    if let Some((place, ..)) = named {
+    let named = |wanted: &&str| names.iter().find(|(_, name)| name == wanted);
+    if let Some((place, _)) = NAMES.iter().find_map(named) {
         return Ok(*place);
+    }
+    let mut arrays = Vec::new();
+    for (place, name) in names {
+        arrays.push((place, name, shape(path, archive, place)?));
     }
     let mut wide = arrays
         .iter()
@@ -70,31 +93,17 @@ fn unclear(arrays: &[(usize, String, Option<Vec<u64>>)]) -> String {
 
 /// The shape of an array, if it is one of plain numbers.
 fn shape(path: &Path, archive: &mut Archive, place: usize) -> Result<Option<Vec<u64>>, Error> {
-    // The header of a plain array is shorter.
-    let start = entry(path, archive, place, 1 << 14)?;
-    let mut source = array(path, &start)?;
-    let header = npy::read_header(&mut source);
+    let header = npy::read_header(path, &mut array(path, archive, place)?);
     Ok(header.ok().map(|header| header.shape().to_vec()))
 }
 
-/// The first bytes of an entry of the archive.
-///
-/// Memory grows with what is unpacked in fact, whatever the archive says about it.
-fn entry(path: &Path, archive: &mut Archive, place: usize, at_most: u64) -> Result<Vec<u8>, Error> {
-    let fault = |error| Error::parser(path, None, "archive", error);
-    let entry = archive.by_index(place).map_err(fault)?;
-    let mut bytes = Vec::new();
-    let read = entry.take(at_most).read_to_end(&mut bytes);
-    read.map_err(|error| Error::parser(path, None, "archive", error))?;
-    Ok(bytes)
-}
-
-fn array<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<Source<'a, Cursor<&'a [u8]>>, Error> {
-    if !bytes.starts_with(npy::MAGIC) {
-        return Err(Error::malformed(
-            path,
-            "an array of the archive is no NPY file",
-        ));
-    }
-    Ok(Source::of_bytes(path, bytes))
+/// An entry of the archive, unpacked as it is read.
+fn array<'a>(
+    path: &Path,
+    archive: &'a mut Archive,
+    place: usize,
+) -> Result<BufReader<ZipFile<'a, BufReader<File>>>, Error> {
+    let entry = archive.by_index(place);
+    let entry = entry.map_err(|error| Error::parser(path, None, "archive", error))?;
+    Ok(BufReader::with_capacity(1 << 16, entry))
 }

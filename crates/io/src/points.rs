@@ -57,7 +57,8 @@ impl PointFile {
 /// # Errors
 /// [`Error::UnknownExtension`] for other names, [`Error::FeatureOff`] for formats that this build
 /// does not read, [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is empty,
-/// foreign, cut off, or false about its size; memory is reserved only for what it can hold.
+/// foreign, cut off, or false about its size; memory is reserved only for what it can hold. Damaged
+/// LAZ may besides make the panic hook of the program print, see `read_las`.
 ///
 /// # Example
 /// ```
@@ -87,8 +88,8 @@ pub fn read_points(path: impl AsRef<Path>) -> Result<PointFile, Error> {
         });
     };
     match format.reader {
-        Reader::Here(read) => read(path),
-        Reader::Feature(feature) => Err(format.feature_off(path, feature)),
+        Ok(read) => read(path),
+        Err(feature) => Err(format.feature_off(path, feature)),
     }
 }
 
@@ -101,12 +102,8 @@ pub(crate) struct Format {
     reader: Reader,
 }
 
-enum Reader {
-    Here(fn(&Path) -> Result<PointFile, Error>),
-    /// The feature that has the reader.
-    #[allow(dead_code, reason = "with all features there is none")]
-    Feature(&'static str),
-}
+/// What reads the format, or the feature that this build would need.
+type Reader = Result<fn(&Path) -> Result<PointFile, Error>, &'static str>;
 
 impl Format {
     /// The format that the extension tells.
@@ -118,15 +115,12 @@ impl Format {
     }
 
     pub(crate) fn is_readable(&self) -> bool {
-        self.missing_feature().is_none()
+        self.reader.is_ok()
     }
 
     /// The feature that this build would need.
     pub(crate) fn missing_feature(&self) -> Option<&'static str> {
-        match self.reader {
-            Reader::Here(_) => None,
-            Reader::Feature(feature) => Some(feature),
-        }
+        self.reader.err()
     }
 
     pub(crate) fn feature_off(&self, path: &Path, feature: &'static str) -> Error {
@@ -138,51 +132,47 @@ impl Format {
     }
 
     const fn own(extension: &'static str, name: &'static str, reader: Reader) -> Self {
-        let is_common = false;
         Self {
             extension,
             name,
-            is_common,
+            is_common: false,
             reader,
         }
     }
 
     const fn common(extension: &'static str, name: &'static str, reader: Reader) -> Self {
-        let is_common = true;
         Self {
-            extension,
-            name,
-            is_common,
-            reader,
+            is_common: true,
+            ..Self::own(extension, name, reader)
         }
     }
 }
 
-const TEXT: Reader = Reader::Here(|path| read_xyz(path));
+const TEXT: Reader = Ok(|path| read_xyz(path));
 
 #[cfg(feature = "las")]
-const LAS: Reader = Reader::Here(|path| crate::read_las(path));
+const LAS: Reader = Ok(|path| crate::read_las(path));
 #[cfg(not(feature = "las"))]
-const LAS: Reader = Reader::Feature("las");
+const LAS: Reader = Err("las");
 
 #[cfg(feature = "laz")]
-const LAZ: Reader = Reader::Here(|path| crate::read_las(path));
+const LAZ: Reader = Ok(|path| crate::read_las(path));
 #[cfg(not(feature = "laz"))]
-const LAZ: Reader = Reader::Feature("laz");
+const LAZ: Reader = Err("laz");
 
 #[cfg(feature = "e57")]
-const E57: Reader = Reader::Here(crate::e57::read_merged);
+const E57: Reader = Ok(crate::e57::read_merged);
 #[cfg(not(feature = "e57"))]
-const E57: Reader = Reader::Feature("e57");
+const E57: Reader = Err("e57");
 
 #[cfg(feature = "npz")]
-const NPZ: Reader = Reader::Here(crate::npz::read_points);
+const NPZ: Reader = Ok(crate::npz::read_points);
 #[cfg(not(feature = "npz"))]
-const NPZ: Reader = Reader::Feature("npz");
+const NPZ: Reader = Err("npz");
 
 const FORMATS: &[Format] = &[
-    Format::own("ply", "PLY", Reader::Here(|path| read_ply(path))),
-    Format::own("pcd", "PCD", Reader::Here(|path| read_pcd(path))),
+    Format::own("ply", "PLY", Ok(|path| read_ply(path))),
+    Format::own("pcd", "PCD", Ok(|path| read_pcd(path))),
     Format::own("xyz", "text", TEXT),
     Format::own("asc", "text", TEXT),
     Format::own("pts", "text", TEXT),
@@ -191,7 +181,7 @@ const FORMATS: &[Format] = &[
     Format::own("e57", "E57", E57),
     Format::common("txt", "text", TEXT),
     Format::common("csv", "text", TEXT),
-    Format::common("npy", "NPY", Reader::Here(npy::read_points)),
+    Format::common("npy", "NPY", Ok(npy::read_points)),
     Format::common("npz", "NPZ", NPZ),
 ];
 

@@ -1,6 +1,6 @@
 //! Pose graphs as Open3D keeps them.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 
 use nalgebra::{Isometry3, Matrix6};
@@ -45,8 +45,9 @@ pub struct Open3dEdge {
 /// digits of their numbers.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be written, if a number is not finite, or if an edge names a scan
-/// that is no node; then it is as it was before.
+/// [`Error::Unwritable`], which names the node or the edge, if a number is not finite or an edge names
+/// a scan that is no node. [`Error::Io`] if the file cannot be written. In both cases it is as it was
+/// before.
 ///
 /// # Example
 /// ```
@@ -74,9 +75,12 @@ pub fn write_open3d_pose_graph(
     path: impl AsRef<Path>,
     graph: &Open3dPoseGraph,
 ) -> Result<(), Error> {
-    write_atomically(path.as_ref(), |file| {
-        let graph = graph_value(graph)
-            .map_err(|reason| io::Error::new(io::ErrorKind::InvalidInput, reason))?;
+    let path = path.as_ref();
+    let graph = graph_value(graph).map_err(|reason| Error::Unwritable {
+        path: path.to_owned(),
+        reason,
+    })?;
+    write_atomically(path, |file| {
         serde_json::to_writer_pretty(&mut *file, &graph)?;
         writeln!(file)
     })
@@ -365,7 +369,12 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("graph.json");
             let error = write_open3d_pose_graph(&path, &graph).unwrap_err();
-            assert!(error.to_string().contains(reason), "{error}");
+            assert!(matches!(error, Error::Unwritable { .. }), "{error:?}");
+            let said = error.to_string();
+            assert!(
+                said.contains("graph.json") && said.contains(reason),
+                "{said}"
+            );
             assert!(!path.exists());
         }
     }

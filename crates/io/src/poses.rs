@@ -56,8 +56,11 @@ pub fn write_poses_tum(
 /// has not eight finite numbers or whose quaternion's length is off 1 by more than 0.01.
 pub fn read_poses_tum(path: impl AsRef<Path>) -> Result<Vec<(f64, Isometry3<f64>)>, Error> {
     let path = path.as_ref();
-    let text = read_text(path)?;
-    lines(path, &text).map(tum_row).collect()
+    tum_rows(path, &read_text(path)?)
+}
+
+fn tum_rows(path: &Path, text: &str) -> Result<Vec<(f64, Isometry3<f64>)>, Error> {
+    lines(path, text).map(tum_row).collect()
 }
 
 fn tum_row(mut line: Line) -> Result<(f64, Isometry3<f64>), Error> {
@@ -120,7 +123,12 @@ pub fn write_poses_3x4(
 /// has not 12, 13 or 14 finite numbers, for rows of different width in one file, or for a matrix
 /// that is off any rotation by more than 0.01 in an entry.
 pub fn read_poses_3x4(path: impl AsRef<Path>) -> Result<Vec<(usize, Isometry3<f64>)>, Error> {
-    matrix_rows(path.as_ref(), |line| {
+    let path = path.as_ref();
+    poses_3x4(path, &read_text(path)?)
+}
+
+fn poses_3x4(path: &Path, text: &str) -> Result<Vec<(usize, Isometry3<f64>)>, Error> {
+    matrix_rows(path, text, |line| {
         let entries = line.numbers(ROW)?;
         rigid::from_matrix_rows(entries).map_err(|reason| line.error(reason))
     })
@@ -130,9 +138,9 @@ pub fn read_poses_3x4(path: impl AsRef<Path>) -> Result<Vec<(usize, Isometry3<f6
 /// first row tells.
 ///
 /// Rows of 8 numbers are those of [`read_poses_tum`]. Their time stamps are the indices of the scans
-/// if all are whole numbers from 0 on; otherwise the rows are numbered from 0 in the order of the
-/// file. Rows of 12 (KITTI), 13 or 14 numbers are those of [`read_poses_3x4`]. A file without rows has
-/// no poses.
+/// if all are whole numbers from 0 to 99 999 and each is greater than the one before; otherwise, as
+/// for times in seconds since 1970, the rows are numbered from 0 in the order of the file. Rows of 12
+/// (KITTI), 13 or 14 numbers are those of [`read_poses_3x4`]. A file without rows has no poses.
 ///
 /// # Errors
 /// Those of [`read_poses_tum`] and [`read_poses_3x4`].
@@ -156,22 +164,22 @@ pub fn read_poses(path: impl AsRef<Path>) -> Result<Vec<(usize, Isometry3<f64>)>
     let text = read_text(path)?;
     let width = lines(path, &text).next().map(|line| line.words_left());
     if width != Some(8) {
-        return read_poses_3x4(path);
+        return poses_3x4(path, &text);
     }
-    let timed = read_poses_tum(path)?;
-    let indices: Option<Vec<usize>> = timed.iter().map(|&(time, _)| index(time)).collect();
-    let indices = indices.unwrap_or_else(|| (0..timed.len()).collect());
-    let poses = timed
-        .into_iter()
-        .map(|(_, world_from_scan)| world_from_scan);
-    Ok(indices.into_iter().zip(poses).collect())
+    let timed = tum_rows(path, &text)?;
+    let are_indices = timed.iter().all(|&(time, _)| is_index(time))
+        && timed.is_sorted_by(|(time, _), (next, _)| time < next);
+    let rows = timed.into_iter().enumerate();
+    let poses = rows.map(|(row, (time, world_from_scan))| {
+        let scan = if are_indices { time as usize } else { row };
+        (scan, world_from_scan)
+    });
+    Ok(poses.collect())
 }
 
-/// The whole number from 0 on that `time` is, if it is one and stands for no other.
-fn index(time: f64) -> Option<usize> {
-    const LAST_WITHOUT_GAPS: f64 = 9_007_199_254_740_991.0; // 2^53 - 1
-    let is_index = time.fract() == 0.0 && (0.0..=LAST_WITHOUT_GAPS).contains(&time);
-    is_index.then_some(time as usize)
+/// Whether the time may be an index: nobody has as many scans as seconds have passed since 1970.
+fn is_index(time: f64) -> bool {
+    time.fract() == 0.0 && (0.0..100_000.0).contains(&time)
 }
 
 /// A pose, or `None` where it is unknown.
@@ -179,7 +187,7 @@ pub(crate) type KnownPose = Option<Isometry3<f64>>;
 
 /// As [`read_poses_3x4`], but a row without a finite entry is a scan without a pose.
 pub(crate) fn read_known_poses_3x4(path: &Path) -> Result<Vec<(usize, KnownPose)>, Error> {
-    matrix_rows(path, |line| {
+    matrix_rows(path, &read_text(path)?, |line| {
         let entries = line.any_numbers(ROW)?;
         motion_if_known(entries).map_err(|reason| line.error(reason))
     })
@@ -189,13 +197,11 @@ const ROW: &str = "the 3x4 matrix";
 
 fn matrix_rows<T>(
     path: &Path,
+    text: &str,
     pose: impl Fn(&mut Line) -> Result<T, Error>,
 ) -> Result<Vec<(usize, T)>, Error> {
-    let text = read_text(path)?;
-    let width = lines(path, &text)
-        .next()
-        .map_or(0, |line| line.words_left());
-    let rows = lines(path, &text).enumerate();
+    let width = lines(path, text).next().map_or(0, |line| line.words_left());
+    let rows = lines(path, text).enumerate();
     rows.map(|(row, mut line)| Ok((scan_of_row(&mut line, row, width)?, pose(&mut line)?)))
         .collect()
 }
@@ -423,7 +429,8 @@ mod tests {
             read(&format!("# t\n4 {quaternion}9 {quaternion}")).unwrap(),
             [4, 9]
         );
-        for time in ["-1", "0.5", "1e300"] {
+        // The second at which a benchmark was recorded is no index, nor are equal or falling numbers.
+        for time in ["-1", "0.5", "1e300", "1305031102", "100000", "4", "3"] {
             let text = format!("4 {quaternion}{time} {quaternion}");
             assert_eq!(read(&text).unwrap(), [0, 1], "{time}");
         }

@@ -3,17 +3,19 @@
 //! Organised clouds are full of `nan`, which programs spell in many ways.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use crate::Error;
 use crate::bytes::Source;
 
-/// The lines of a payload that are not blank.
+/// The lines of a payload that are not blank; what is no Unicode in them is replaced, since names and
+/// remarks beside the numbers may be in any encoding.
 pub(crate) struct Rows<'a> {
     path: &'a Path,
     reader: BufReader<File>,
     number: usize,
+    bytes: Vec<u8>,
     content: String,
 }
 
@@ -24,6 +26,7 @@ impl<'a> Rows<'a> {
             path: source.path,
             reader: source.reader,
             number: first_line - 1,
+            bytes: Vec::new(),
             content: String::new(),
         }
     }
@@ -46,13 +49,24 @@ impl<'a> Rows<'a> {
 
     /// Whether there is another row, which is the content then.
     fn advance(&mut self) -> Result<bool, Error> {
+        /// Bytes that no row of numbers needs.
+        const TOO_LONG: u64 = 1 << 20;
         loop {
-            self.content.clear();
+            self.bytes.clear();
             self.number += 1;
-            let length = self.reader.read_line(&mut self.content);
-            let length = length
-                .map_err(|error| Error::parser(self.path, Some(self.number), "no text", error))?;
-            if length == 0 || !self.content.trim_ascii().is_empty() {
+            let mut reader = self.reader.by_ref().take(TOO_LONG);
+            let length = reader.read_until(b'\n', &mut self.bytes);
+            let length = length.map_err(Error::io("read", self.path))?;
+            if reader.limit() == 0 {
+                let reason = format!("no text: the line takes {TOO_LONG} bytes or more");
+                return Err(self.error(reason));
+            }
+            if self.bytes.contains(&0) {
+                return Err(self.error("no text: the line has a zero byte, as UTF-16 has"));
+            }
+            if length == 0 || !self.bytes.trim_ascii().is_empty() {
+                self.content.clear();
+                self.content.push_str(&String::from_utf8_lossy(&self.bytes));
                 return Ok(length > 0);
             }
         }
@@ -65,14 +79,16 @@ impl<'a> Rows<'a> {
 }
 
 /// The coordinate `name` that the word stands for, rounded as a binary file would have it if it is
-/// of `single` precision.
+/// of `single` precision. The exponent may be marked by `D`, as Fortran does.
 pub(crate) fn coordinate(name: &str, word: &str, single: bool) -> Result<f64, String> {
+    let number = |word: &str| match single {
+        true => word.parse::<f32>().ok().map(f64::from),
+        false => word.parse().ok(),
+    };
     let value = if is_nan(word) {
         Some(f64::NAN)
-    } else if single {
-        word.parse::<f32>().ok().map(f64::from)
     } else {
-        word.parse().ok()
+        number(word).or_else(|| number(&word.replace(['D', 'd'], "e")))
     };
     value.ok_or_else(|| format!("{name:?} is {word:?}, not a number"))
 }
@@ -114,9 +130,16 @@ mod tests {
 
     #[test]
     fn words_that_are_no_numbers_are_named() {
-        for word in ["a", "1,5", "#", "--1", "0x1", "é1"] {
+        for word in ["a", "1,5", "#", "--1", "0x1", "é1", "D", "1D", "d5"] {
             let said = coordinate("x", word, true).unwrap_err();
             assert!(said.contains(word), "{said}");
+        }
+    }
+
+    #[test]
+    fn exponents_of_fortran_are_read() {
+        for (word, value) in [("1.0D+00", 1.0), ("-2.5d3", -2500.0), ("0.1D-2", 0.001)] {
+            assert_eq!(coordinate("x", word, false).unwrap(), value);
         }
     }
 

@@ -4,6 +4,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use gmpcr_io::*;
 use nalgebra::Point3;
@@ -35,13 +36,18 @@ fn text(cloud: &[Point3<f64>], heading: &str, separator: &str) -> Vec<u8> {
 }
 
 fn npy(cloud: &[Point3<f64>]) -> Vec<u8> {
-    let rows = cloud.len();
-    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, 4), }}\n");
     let numbers = cloud.iter().flat_map(|p| [p.x, p.y, p.z, 7.0]);
-    let numbers = numbers.flat_map(f64::to_le_bytes);
+    let numbers: Vec<u8> = numbers.flat_map(f64::to_le_bytes).collect();
+    array(&format!("{}, 4", cloud.len()), &numbers)
+}
+
+/// A `.npy` file of doubles in C order.
+fn array(shape: &str, entries: &[u8]) -> Vec<u8> {
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}\n");
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.bytes().chain(numbers));
+    bytes.extend(header.as_bytes());
+    bytes.extend(entries);
     bytes
 }
 
@@ -91,7 +97,22 @@ fn place(name: &str) -> (tempfile::TempDir, PathBuf) {
 fn read(name: &str, content: &[u8]) -> Result<PointFile, Error> {
     let (_folder, path) = place(name);
     fs::write(&path, content).unwrap();
-    read_points(path)
+    let start = Instant::now();
+    let scan = read_points(path);
+    // Hundreds of times what the largest of these files takes.
+    assert!(
+        start.elapsed() < Duration::from_secs(20),
+        "{name} takes too long"
+    );
+    scan
+}
+
+/// A damaged file is a cloud no larger than a file of its size can hold, or an error by name.
+fn check_damaged(name: &str, content: &[u8]) {
+    match read(name, content) {
+        Ok(scan) => assert!(scan.points.len() + scan.invalid <= 1000 * content.len()),
+        Err(error) => assert!(error.to_string().contains(name), "{error}"),
+    }
 }
 
 fn complaint(name: &str, content: &[u8]) -> String {
@@ -144,7 +165,7 @@ fn a_file_cut_off_anywhere_is_refused_by_name_where_the_format_tells() {
 }
 
 #[test]
-fn changed_bytes_make_no_reader_panic() {
+fn changed_bytes_make_no_reader_panic_or_linger() {
     for (name, content, _) in samples(&utm_cloud(20)) {
         let step = (content.len() / 200).max(1);
         for place in (0..content.len())
@@ -154,7 +175,7 @@ fn changed_bytes_make_no_reader_panic() {
             for byte in [0, 1, 0x7f, 0xff] {
                 let mut content = content.clone();
                 content[place] = byte;
-                let _ = read(name, &content);
+                check_damaged(name, &content);
             }
         }
     }
@@ -187,11 +208,10 @@ fn empty_and_missing_files_are_refused_by_name() {
 
 #[test]
 fn an_array_needs_three_columns() {
-    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }\n";
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.bytes().chain([0; 32]));
-    assert!(complaint("a.npy", &bytes).contains("n x 3 or wider, but the array is 2 x 2"));
+    assert!(
+        complaint("a.npy", &array("2, 2", &[0; 32]))
+            .contains("n x 3 or wider, but the array is 2 x 2")
+    );
 }
 
 #[cfg(feature = "npz")]
@@ -216,11 +236,7 @@ mod archive {
     }
 
     fn vector() -> Vec<u8> {
-        let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }\n";
-        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-        bytes.extend((header.len() as u16).to_le_bytes());
-        bytes.extend(header.bytes().chain([0; 16]));
-        bytes
+        array("2,", &[0; 16])
     }
 
     #[test]
@@ -230,12 +246,52 @@ mod archive {
             vec![("color", npy(&other)), ("xyz", npy(&cloud))],
             vec![("pc", npy(&other)), ("points", npy(&cloud))],
             vec![("stamp", vector()), ("arr_0", npy(&cloud))],
+            vec![("a", b"no array".to_vec()), ("pcd", npy(&cloud))],
         ] {
             for compressed in [false, true] {
                 let scan = read("a.npz", &npz(&arrays, compressed)).unwrap();
                 assert_eq!(scan.points, cloud);
             }
         }
+    }
+
+    #[test]
+    fn an_archive_that_is_false_about_its_size_is_refused_at_once() {
+        let zeros = vec![0; 1 << 24];
+        let honest = npz(
+            &[("points", array("699050, 3", &zeros[..699_050 * 24]))],
+            true,
+        );
+        assert_eq!(read("a.npz", &honest).unwrap().points.len(), 699_050);
+
+        // A small array, then a bomb.
+        let long = npz(&[("points", array("2, 3", &zeros))], true);
+        assert!(long.len() < 1 << 15);
+        let said = complaint("a.npz", &long);
+        assert!(said.contains("longer than its shape"), "{said}");
+
+        for shape in ["99999999, 3", "3, 99999999999999", "99999999999999999, 9"] {
+            let short = npz(&[("points", array(shape, &zeros))], true);
+            let said = complaint("a.npz", &short);
+            assert!(
+                said.contains("cannot unpack to a matrix of shape"),
+                "{said}"
+            );
+        }
+        let short = npz(&[("points", array("3, 3", &[0; 71]))], true);
+        assert!(complaint("a.npz", &short).contains("entries"));
+    }
+
+    #[test]
+    fn an_array_that_its_checksum_belies_is_refused() {
+        let mut content = npz(&[("points", array("1, 3", &[b'@'; 24]))], false);
+        let place = content
+            .windows(24)
+            .position(|bytes| bytes == [b'@'; 24])
+            .unwrap();
+        content[place] = b'A';
+        let said = complaint("a.npz", &content);
+        assert!(said.contains("checksum"), "{said}");
     }
 
     #[test]
@@ -352,7 +408,7 @@ mod laser {
             let good = las(&utm_cloud(120), format, true);
             // The decompressor panics at some of these changes.
             for place in 0..good.len() {
-                let _ = read("a.laz", &with(&good, place, &[!good[place]]));
+                check_damaged("a.laz", &with(&good, place, &[!good[place]]));
             }
         }
     }
@@ -564,13 +620,13 @@ mod scanner {
     }
 
     #[test]
-    fn changed_bytes_with_right_checksums_make_no_reader_panic() {
+    fn changed_bytes_with_right_checksums_make_no_reader_panic_or_linger() {
         let content = e57(&[(Some(some_pose()), utm_cloud(20))]);
         for place in (0..content.len()).step_by(5) {
             for byte in [0, b'9', 0xff] {
                 let mut content = content.clone();
                 content[place] = byte;
-                let _ = read("a.e57", &with_checksums(content));
+                check_damaged("a.e57", &with_checksums(content));
             }
         }
     }
