@@ -1,6 +1,7 @@
 // Makes a sample of report.html from synthetic scans: `node sample.mjs OUT.html [scans] [points]`.
 //
-// The scans are pieces of two furnished rooms, each room one component, and one scan that fits nowhere. Nothing
+// The scans are pieces of two furnished rooms, each room one component, and two scans that fit nowhere, one of
+// them without a point. Of the larger room one part hangs on a single edge and one scan on dropped edges. Nothing
 // is registered here: the numbers of the edges only look like those of a registration.
 
 import { readFileSync, writeFileSync } from "node:fs";
@@ -127,11 +128,15 @@ function confidenceOf(a, b, random) {
   return 0.05 * random() + 0.95 * Math.max(0, (turn + 0.2) / 1.2) ** 2 * (0.75 + 0.25 * random());
 }
 
-function edgeOf(i, j, confidence, joinsRooms, iterations, random) {
-  const isWrong = joinsRooms || random() < 0.05;
-  const initial = confidence * (0.5 + 0.4 * random());
-  const weights = [initial];
-  for (let k = 0; k < iterations; k++) weights.push(weights[k] * (isWrong ? 0.55 : 0.985 + 0.01 * random()));
+/** Shares of its weight that an edge has after each iteration; a wrong one falls by orders of magnitude. */
+function sharesOf(isWrong, iterations, random) {
+  const last = isWrong ? 10 ** (-2 - 10 * random()) : 0.15 + 0.83 * random();
+  return Array.from({ length: iterations }, (_, k) => (isWrong ? last ** ((k + 1) / iterations) : last * (k === 0 ? 0.6 : 1)));
+}
+
+function edgeOf(i, j, confidence, { isWrong, joinsRooms }, iterations, random) {
+  const initial = confidence * (0.1 + 0.5 * random());
+  const weights = [initial, ...sharesOf(isWrong, iterations, random).map((share) => share * initial)];
   return {
     i,
     j,
@@ -143,8 +148,8 @@ function edgeOf(i, j, confidence, joinsRooms, iterations, random) {
     budget_exhausted: random() < 0.05,
     initial_weight: initial,
     final_weight: joinsRooms ? 0 : weights.at(-1),
-    rotation_residual: joinsRooms ? null : (isWrong ? 25 : 1.5) * random(),
-    translation_residual: joinsRooms ? null : (isWrong ? 0.8 : 0.04) * random(),
+    rotation_residual: joinsRooms ? null : isWrong ? 25 + 150 * random() : 1.5 * random(),
+    translation_residual: joinsRooms ? null : isWrong ? 0.8 + 3 * random() : 0.04 * random(),
     weights,
   };
 }
@@ -164,15 +169,15 @@ function confidentPairs(n, confidence, k) {
 export function sampleData({ scans: n = 24, points = 3000, hasEdges = true, iterations = 10 } = {}) {
   const random = randomNumbers(7);
   const isConnected = hasEdges && n > 1;
-  const lone = isConnected && n > 4 ? 1 : 0;
+  const lone = !isConnected || n < 5 ? 0 : n < 12 ? 1 : 2;
   const inFirst = n > 6 ? Math.ceil(0.7 * (n - lone)) : n - lone;
   const roomOf = (index) => (index >= n - lone ? 2 : index < inFirst ? 0 : 1);
   const sensors = [0, 1, 2].flatMap((room) => {
     const size = Array.from({ length: n }, (_, k) => k).filter((k) => roomOf(k) === room).length;
     return sensorsOfRoom(size).map((sensor) => ({ ...sensor, room }));
   });
-  // One scan without a point, where there are enough of them.
-  const clouds = sensors.map((sensor, k) => (n > 6 && k === 4 ? [] : scanOfRoom(sensor, points, random)));
+  const isEmpty = (index) => lone === 2 && index === n - 1;
+  const clouds = sensors.map((sensor, k) => (isEmpty(k) ? [] : scanOfRoom(sensor, points, random)));
 
   const confidences = [];
   const table = sensors.map(() => []);
@@ -182,12 +187,18 @@ export function sampleData({ scans: n = 24, points = 3000, hasEdges = true, iter
       confidences.push(table[i][j]);
     }
   }
-  const members = isConnected
-    ? [0, 1, 2].map((room) => sensors.flatMap((sensor, k) => (sensor.room === room ? [k] : []))).filter((m) => m.length > 0)
-    : sensors.map((_, k) => [k]);
-  const pairs = isConnected ? confidentPairs(n, (i, j) => table[i][j], 4).filter(([i, j]) => roomOf(i) === roomOf(j)) : [];
-  if (inFirst < n - lone) pairs.push([2, inFirst + 1]);
-  const edges = pairs.map(([i, j]) => edgeOf(i, j, table[i][j], roomOf(i) !== roomOf(j), iterations, random));
+  const rooms = [0, 1].map((room) => sensors.flatMap((sensor, k) => (sensor.room === room ? [k] : []))).filter((room) => room.length > 0);
+  const single = (k) => [k];
+  const members = isConnected ? [...rooms, ...sensors.map((_, k) => k).slice(n - lone).map(single)] : sensors.map((_, k) => [k]);
+  const pairs = isConnected ? confidentPairs(n, (i, j) => table[i][j], 5).filter(([i, j]) => roomOf(i) === roomOf(j) && j < n - lone) : [];
+  const loose = n < 12 ? -1 : inFirst - 1;
+  const kept = n < 12 ? pairs : withOneEdgeTo(new Set([loose - 3, loose - 2, loose - 1]), pairs, loose);
+  if (inFirst < n - lone) kept.push([2, inFirst + 1]);
+  const edges = kept.map(([i, j]) => {
+    const joinsRooms = roomOf(i) !== roomOf(j);
+    const isWrong = joinsRooms || i === loose || j === loose || (n > 6 && j > i + 4 && random() < 0.15);
+    return edgeOf(i, j, table[i][j], { isWrong, joinsRooms }, iterations, random);
+  });
 
   const components = members.map((scans) => ({ scans, ...quantise(scans.map((k) => clouds[k])) }));
   const scans = sensors.map((_, index) => {
@@ -200,15 +211,17 @@ export function sampleData({ scans: n = 24, points = 3000, hasEdges = true, iter
       points: clouds[index].length * 4,
       count: clouds[index].length,
       positions: encoded[all.indexOf(index)],
-      attention: all.length === 1,
     };
   });
+  const attention = attentionOf(scans, members, edges);
+  const deserving = new Set(attention.flatMap((notice) => (notice.kind === "contradiction" ? [] : notice.scans)));
   return {
     title: "synthetic rooms",
     version: "gmpcr 0.1.0",
     features: "FPFH",
     voxel: 0.05,
-    scans,
+    voxel_is_estimated: true,
+    scans: scans.map((scan, k) => ({ ...scan, attention: deserving.has(k) })),
     components: components.map(({ scans, origin, step }) => ({ scans, origin, step })),
     poses: sensors.map(poseOf),
     edges,
@@ -223,19 +236,51 @@ export function sampleData({ scans: n = 24, points = 3000, hasEdges = true, iter
       { name: "synchronisation", seconds: 0.0041 },
       { name: "writing", seconds: 0.22 },
     ],
-    attention: attentionOf(scans, edges),
-    frames: null,
+    attention,
   };
 }
 
-function attentionOf(scans, edges) {
-  const alone = scans.flatMap((scan, k) =>
-    scan.attention ? [{ scans: [k], text: `${scan.name} is not registered: no edge of positive weight joins it to another scan.` }] : []);
-  const fallen = edges.filter((edge) => edge.final_weight < edge.initial_weight / 2).map(({ i, j }) => ({
-    scans: [i, j],
-    text: `The edge between ${scans[i].name} and ${scans[j].name} lost more than half of its weight: it contradicts the others.`,
+/** The pairs without those between `part` and the others but for the first; `loose` is no other. */
+function withOneEdgeTo(part, pairs, loose) {
+  const leaves = ([i, j]) => part.has(i) !== part.has(j) && i !== loose && j !== loose;
+  const first = pairs.find(leaves);
+  return pairs.filter((pair) => pair === first || !leaves(pair));
+}
+
+/** The parts of `n` scans that edges join. */
+function partsOf(n, edges) {
+  const labels = Array.from({ length: n }, (_, k) => k);
+  for (const { i, j } of edges) {
+    const [a, b] = [labels[i], labels[j]];
+    if (a !== b) labels.forEach((label, k) => label === b && (labels[k] = a));
+  }
+  return [...new Set(labels)].map((label) => labels.flatMap((other, k) => (other === label ? [k] : [])));
+}
+
+function attentionOf(scans, members, edges) {
+  const n = scans.length;
+  const name = (k) => scans[k].name;
+  const kept = edges.filter((edge) => edge.final_weight > 0 && edge.final_weight >= 0.1 * edge.initial_weight);
+  const alone = members.length < 2 ? [] : members.filter(({ length }) => length === 1).map(([k]) => ({
+    kind: "alone", scans: [k], edge: null, text: `${name(k)} is not registered: ${scans[k].count === 0 ? "it holds no points" : "no other scan agrees with it"}`,
   }));
-  return [...alone, ...fallen];
+  const frames = members.slice(1).filter(({ length }) => length > 1).map((all) => ({
+    kind: "frame", scans: all, edge: null, text: `${all.length} scans share a frame of their own`,
+  }));
+  const parts = partsOf(n, kept).filter((part) => members.some((all) => all.includes(part[0]) && part.length < all.length / 2));
+  const loose = parts.map((part) => ({
+    kind: "loose", scans: part, edge: null, text: `${part.map(name).join(", ")} may be misplaced: only dropped edges join it to the rest`,
+  }));
+  const bridges = kept.flatMap((edge) => {
+    const halves = partsOf(n, kept.filter((other) => other !== edge)).filter((part) => part.includes(edge.i) !== part.includes(edge.j));
+    if (halves.length < 2) return [];
+    const [part] = halves.sort((a, b) => a.length - b.length);
+    return [{ kind: "bridge", scans: part, edge: [edge.i, edge.j], text: `${part.map(name).join(", ")} on the single edge ${name(edge.i)} – ${name(edge.j)}: nothing confirms it` }];
+  });
+  const contradictions = edges.filter((edge) => !kept.includes(edge) && edge.final_weight > 0).slice(0, 10).map(({ i, j }) => ({
+    kind: "contradiction", scans: [i, j], edge: [i, j], text: `The result contradicts the motion between ${name(i)} and ${name(j)}`,
+  }));
+  return [...alone, ...frames, ...loose, ...bridges, ...contradictions];
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {

@@ -8,26 +8,34 @@
 
   // ---------------------------------------------------------------------------------------- the data
 
-  /** The report with what is derived from it: components by kind, edges by pair, largest values. */
+  /** An edge that kept less than this share of its weight is dropped: it contradicts the result. */
+  const smallestKeptShare = 0.1;
+
+  /** The report with what is derived from it: components by kind, edges by pair and by what became of them. */
   function readReport() {
     const report = JSON.parse(document.getElementById("report-data").textContent);
     const bySize = report.components.map((_, index) => index);
     bySize.sort((a, b) => report.components[b].scans.length - report.components[a].scans.length || a - b);
     report.registered = bySize.filter((c) => report.components[c].scans.length > 1);
     report.singles = bySize.filter((c) => report.components[c].scans.length === 1);
-    report.largestWeight = largest(report.edges.map((edge) => edge.final_weight));
     report.largestConfidence = largest(report.confidences);
+    const bridges = new Set(report.attention.filter(({ kind }) => kind === "bridge").map(({ edge }) => pairKey(...edge)));
     report.edges.forEach((edge, index) => {
       edge.index = index;
-      edge.relativeWeight = report.largestWeight > 0 ? Math.max(0, edge.final_weight) / report.largestWeight : 0;
-      edge.hasFallen = edge.final_weight < edge.initial_weight / 2;
+      edge.share = shareOf(edge.final_weight, edge);
+      edge.isKept = edge.share >= smallestKeptShare;
+      edge.isBridge = bridges.has(pairKey(edge.i, edge.j));
     });
+    report.kept = report.edges.filter((edge) => edge.isKept);
+    report.dropped = report.edges.filter((edge) => !edge.isKept);
     const edgeOfPair = new Map(report.edges.map((edge) => [pairKey(edge.i, edge.j), edge]));
     report.edgeBetween = (a, b) => edgeOfPair.get(pairKey(a, b)) ?? null;
     report.confidenceBetween = (a, b) => report.confidences[pairIndex(report.scans.length, a, b)];
     return report;
   }
 
+  /** A weight of an edge, relative to its initial one. */
+  const shareOf = (weight, edge) => (edge.initial_weight > 0 ? Math.min(1, Math.max(0, weight / edge.initial_weight)) : 0);
   const largest = (values) => values.reduce((a, b) => Math.max(a, b), 0);
   const pairKey = (a, b) => `${Math.min(a, b)},${Math.max(a, b)}`;
 
@@ -65,22 +73,39 @@
   const count = (n) => n.toLocaleString("en-GB").replaceAll(",", thinSpace);
   const plural = (n, noun) => `${count(n)} ${noun}${n === 1 ? "" : "s"}`;
   const figure = (x) => String(Number(x.toPrecision(3))).replace("-", minus);
-  const seconds = (s) => `${figure(s)}${thinSpace}s`;
+  const seconds = (s) => (s < 0.1 ? `${(1e3 * s).toFixed(1)}${thinSpace}ms` : `${s.toFixed(2)}${thinSpace}s`);
+  const list = (parts) => parts.join(", ").replace(/, ([^,]*)$/, " and $1");
+
+  /** With so many decimals, or as less than the smallest number that they can tell from 0. */
+  function decimals(x, digits) {
+    const smallest = 10 ** -digits;
+    return x > 0 && x < smallest ? `< ${smallest.toFixed(digits)}` : x.toFixed(digits).replace("-", minus);
+  }
+
+  const confidenceText = (confidence) => decimals(confidence, 3);
+  const weightText = (weight) => decimals(weight, 4);
+  const percent = (share) => `${decimals(100 * share, 0)}${thinSpace}%`;
   const pairName = ({ i, j }) => `${i}${thinSpace}${dash}${thinSpace}${j}`;
 
   /** What is known of an edge, as rows of term and value. */
   function evidence(edge) {
-    const { rotation_residual: rotation, translation_residual: translation } = edge;
     return [
-      ["confidence", figure(edge.confidence)],
-      ["inlier ratio", figure(edge.inlier_ratio)],
+      ["confidence", confidenceText(edge.confidence)],
+      ["inlier ratio", percent(edge.inlier_ratio)],
       ["correspondences", count(edge.correspondences)],
       ["clique size", count(edge.clique_size)],
       ["cliques seen", count(edge.cliques_seen) + (edge.budget_exhausted ? " (budget exhausted)" : "")],
-      ["weight", `${figure(edge.initial_weight)} → ${figure(edge.final_weight)}`],
-      ["rotation residual", rotation === null ? "none: joins two components" : `${figure(rotation)}°`],
-      ["translation residual", translation === null ? "none: joins two components" : figure(translation)],
+      ["weight", `${weightText(edge.initial_weight)} → ${weightText(edge.final_weight)}`],
+      ["kept", percent(edge.share) + (edge.isKept ? "" : " (dropped)")],
+      ["rotation residual", residual(edge, edge.rotation_residual, (angle) => `${decimals(angle, 2)}°`)],
+      ["translation residual", residual(edge, edge.translation_residual, figure)],
     ];
+  }
+
+  /** How far the result is off the motion of an edge. */
+  function residual(edge, value, format) {
+    if (value === null) return `${dash} (joins two components)`;
+    return edge.isBridge ? `${dash} (nothing to compare with)` : format(value);
   }
 
   // ---------------------------------------------------------------------------------- small DOM tools
@@ -107,7 +132,7 @@
   /** The children that Plot drew for the mark of class `className`, in the order of the mark's data. */
   const drawn = (svg, className) => [...svg.querySelectorAll(`.${className} > *`)];
 
-  /** Shows what `describe()` returns, `{ title, rows }`, beside the pointer. */
+  /** Shows a title and rows of term and value beside the pointer. */
   function showTooltip(event, { title, rows }) {
     const tooltip = byId("tooltip");
     tooltip.replaceChildren(element("strong", { textContent: title }), definitions(rows));
@@ -124,32 +149,35 @@
 
   const schemes = {
     viridis: Plot.scale({ color: { type: "linear", scheme: "viridis", domain: [0, 1] } }).apply,
-    plasma: Plot.scale({ color: { type: "linear", scheme: "plasma", domain: [0, 1] } }).apply,
-    blues: Plot.scale({ color: { type: "linear", scheme: "blues", domain: [0, 1] } }).apply,
-    components: Plot.scale({ color: { type: "ordinal", scheme: "tableau10", domain: [...Array(10).keys()] } }).apply,
+    gnbu: Plot.scale({ color: { type: "linear", scheme: "gnbu", domain: [0, 1] } }).apply,
+    greys: Plot.scale({ color: { type: "linear", scheme: "greys", domain: [0, 1] } }).apply,
   };
 
-  /** Colour of an edge by its final weight relative to the largest: weak is orange, strong is dark blue. */
-  const weightColour = (relative) => schemes.plasma(0.78 * (1 - relative));
-  const confidenceColour = schemes.blues;
+  const bridgeColour = "#d9480f";
+  const droppedColour = "#e3bfa6";
+  const pairColour = "#59636e";
+
+  /** Colour of a kept edge by its share, and of an edge by what became of it. */
+  const shareColour = (share) => schemes.gnbu(0.35 + 0.65 * share);
+  const edgeColour = (edge) => (edge.isBridge ? bridgeColour : edge.isKept ? shareColour(edge.share) : droppedColour);
   const scanColour = (scan) => `rgb(${scan.color.join(",")})`;
 
-  function componentColour(report, component) {
-    const rank = report.registered.indexOf(component);
-    return rank < 0 ? "#9aa1a9" : schemes.components(rank % 10);
-  }
-
-  function rampLegend(label, domain, interpolate) {
-    const options = { type: "linear", domain, interpolate, label };
+  function rampLegend(options) {
     return Plot.legend({ color: options, width: 210, height: 46, marginTop: 17, ticks: 4, style: { background: "none" } });
   }
+
+  const shareLegend = () =>
+    rampLegend({ type: "linear", domain: [smallestKeptShare, 1], interpolate: (t) => shareColour(smallestKeptShare + (1 - smallestKeptShare) * t), label: "Share of its weight that an edge kept", tickFormat: "%" });
+
+  /** The confidences: most are small, so that their square roots are told apart. */
+  const confidenceScale = (report) => ({ type: "sqrt", domain: [0, report.largestConfidence || 1], interpolate: schemes.greys, label: "Confidence" });
 
   const plotWidth = 560;
   const plotStyle = { className: "plot", width: plotWidth, style: { fontSize: "11.5px", background: "none" } };
 
   // --------------------------------------------------------------------------------------- selection
 
-  /** What the user has picked: nothing, one or two scans, or an edge with its two scans. */
+  /** What the user has picked: nothing, or some scans, perhaps with an edge: between the two, or that holds them. */
   class Selection {
     scans = [];
     edge = null;
@@ -159,18 +187,25 @@
       this.#listeners.push(listener);
     }
 
-    selectScans(report, scans) {
-      const edge = scans.length === 2 ? report.edgeBetween(...scans) : null;
-      const again = scans.length > 0 && scans.join() === this.scans.join();
-      this.scans = again ? [] : scans;
-      this.edge = again ? null : edge;
+    /** Selects scans and an edge, or nothing if they are selected already. */
+    select(scans, edge = null) {
+      const isSame = edge === this.edge && scans.join() === this.scans.join();
+      [this.scans, this.edge] = isSame ? [[], null] : [scans, edge];
       for (const listener of this.#listeners) listener(this);
     }
 
+    selectEdge(edge) {
+      this.select([edge.i, edge.j], edge);
+    }
+
     clear() {
-      this.scans = [];
-      this.edge = null;
-      for (const listener of this.#listeners) listener(this);
+      this.select([], null);
+    }
+
+    /** Whether an edge is the selected one or, where none is, ends at a selected scan. */
+    includes(edge) {
+      if (this.edge !== null) return edge === this.edge;
+      return this.scans.includes(edge.i) || this.scans.includes(edge.j);
     }
   }
 
@@ -251,12 +286,15 @@
     #radius = 1;
     #isScheduled = false;
     #isFitted = true;
+    #message;
     onPick = () => {};
     onFrame = () => {};
 
     constructor(report, frame) {
       THREE.ColorManagement.enabled = false;
       this.#report = report;
+      this.#message = element("p", { className: "message", hidden: true });
+      frame.append(this.#message);
       this.#renderer = createRenderer(frame);
       this.#camera = new THREE.PerspectiveCamera(45, 1, 0.1, 100);
       this.#camera.up.set(0, 0, 1);
@@ -285,10 +323,11 @@
     showComponent(component) {
       this.#component = component;
       const scans = this.#scansShown();
-      const heights = sampleHeights(scans);
-      this.#shared.heightLow.value = heights[Math.floor(0.02 * heights.length)] ?? 0;
-      const high = heights[Math.floor(0.98 * heights.length)] ?? 1;
-      this.#shared.heightSpan.value = Math.max(high - this.#shared.heightLow.value, 1e-9);
+      const heights = bulk(samplePoints(scans).map((point) => point.z));
+      this.#shared.heightLow.value = heights.low;
+      this.#shared.heightSpan.value = Math.max(heights.high - heights.low, 1e-9);
+      this.#message.hidden = scans.some((scan) => scan.count > 0);
+      this.#message.textContent = `No points to show: ${list(scans.map(({ index }) => this.#report.scans[index].name)) || "there are no scans"}.`;
       this.resetCamera();
       this.#refresh();
     }
@@ -317,7 +356,7 @@
     /** Moves each scan away from the component's centroid by `factor` times its own distance from there. */
     setExplosion(factor) {
       this.#explosion = factor;
-      if (this.#isFitted) this.resetCamera();
+      this.#isFitted = false;
       this.#refresh();
     }
 
@@ -326,15 +365,26 @@
       this.#refresh();
     }
 
+    /** Looks from the front, left and above at the bulk of the points, so that it fills the view. */
     resetCamera() {
       this.#stopDamping();
       this.#isFitted = true;
-      const box = boundsOf(this.#scansShown());
-      this.#radius = Math.max(box.radius, 1e-6);
-      const halfAngle = Math.atan(Math.tan(Math.PI / 8) * Math.min(1, this.#camera.aspect));
-      const distance = (this.#radius * (1 + 0.7 * this.#explosion)) / Math.sin(halfAngle);
-      this.#controls.target.copy(box.centre);
-      this.#camera.position.set(-0.45, -0.75, 0.62).normalize().multiplyScalar(distance).add(box.centre);
+      const scans = this.#scansShown();
+      this.#radius = Math.max(radiusOf(scans), 1e-6);
+      const backward = new THREE.Vector3(-0.45, -0.75, 0.62).normalize();
+      const right = new THREE.Vector3().crossVectors(this.#camera.up, backward).normalize();
+      const axes = [right, new THREE.Vector3().crossVectors(backward, right), backward];
+      const points = samplePoints(scans).map((point) => axes.map((axis) => point.dot(axis)));
+      const middles = [0, 1, 2].map((k) => bulk(points.map((point) => point[k])).middle);
+      const tangent = Math.tan((this.#camera.fov * Math.PI) / 360);
+      const distances = points.map((point) => {
+        const [across, upwards, nearer] = point.map((value, k) => value - middles[k]);
+        return Math.max(Math.abs(upwards), Math.abs(across) / this.#camera.aspect) / tangent + nearer;
+      });
+      const distance = Math.max(1.04 * bulk(distances).high, 1e-3 * this.#radius);
+      this.#controls.target.set(0, 0, 0);
+      axes.forEach((axis, k) => this.#controls.target.addScaledVector(axis, middles[k]));
+      this.#camera.position.copy(backward).multiplyScalar(distance).add(this.#controls.target);
       this.#controls.update();
       this.#schedule();
     }
@@ -379,7 +429,6 @@
         points.visible = scan.component === this.#component && (scan.isChecked || isHighlighted);
         scan.isDimmed = isFocused && !isHighlighted;
         points.material.uniforms.dimmed.value = scan.isDimmed ? 1 : 0;
-        points.material.uniforms.scanColour.value = this.#colouring === "component" ? scan.componentColour : scan.colour;
         // Dimmed points leave no depth behind, so that they never hide those that are not.
         points.material.depthWrite = !scan.isDimmed;
         points.renderOrder = scan.isDimmed ? -1 : 0;
@@ -396,7 +445,7 @@
         child.material.dispose();
         this.#overlay.remove(child);
       }
-      if (this.#overlayShown.edges) this.#addLines(edgeLines(this.#report.edges, scans), 2.5);
+      if (this.#overlayShown.edges) this.#addLines(edgeLines(this.#report.kept, scans), 2.5);
       if (this.#overlayShown.frames) this.#addLines(frameLines(scans, 0.06 * this.#radius), 2);
     }
 
@@ -532,17 +581,14 @@
     return hex ? hex.slice(1).map((byte) => parseInt(byte, 16)) : colour.match(/\d+/g).map(Number);
   }
 
-  const colourVector = (bytes) => new THREE.Vector3(...bytes.map((byte) => byte / 255));
-
   /** A scan as the view keeps it. */
   function createCloud(report, scan, index, shared) {
     const component = report.components[scan.component];
     const positions = decodePositions(scan, component);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
-    const colour = colourVector(scan.color);
     const material = new THREE.ShaderMaterial({
-      uniforms: { ...shared, scanColour: { value: colour }, dimmed: { value: 0 } },
+      uniforms: { ...shared, scanColour: { value: new THREE.Vector3(...scan.color.map((byte) => byte / 255)) }, dimmed: { value: 0 } },
       vertexShader: pointVertexShader,
       fragmentShader: pointFragmentShader,
     });
@@ -554,8 +600,6 @@
       count: scan.count,
       positions,
       points,
-      colour,
-      componentColour: colourVector(rgb(componentColour(report, scan.component))),
       pose: localPose(report.poses[index], component.origin),
       isChecked: true,
       isDimmed: false,
@@ -576,13 +620,12 @@
     return { centroid: new THREE.Vector3(...sum.map((s) => s / n)), low, high };
   }
 
-  /** Centre and radius of the box around some scans. */
-  function boundsOf(scans) {
+  /** Half the diagonal of the box around some scans. */
+  function radiusOf(scans) {
     const filled = scans.filter((scan) => scan.count > 0);
-    if (filled.length === 0) return { centre: new THREE.Vector3(), radius: 1 };
-    const corner = (pick, side) => new THREE.Vector3(...[0, 1, 2].map((a) => pick(...filled.map((scan) => scan[side][a]))));
-    const [low, high] = [corner(Math.min, "low"), corner(Math.max, "high")];
-    return { centre: low.clone().add(high).multiplyScalar(0.5), radius: low.distanceTo(high) / 2 };
+    if (filled.length === 0) return 1;
+    const extents = [0, 1, 2].map((a) => Math.max(...filled.map(({ high }) => high[a])) - Math.min(...filled.map(({ low }) => low[a])));
+    return Math.hypot(...extents) / 2;
   }
 
   function meanOf(vectors) {
@@ -590,13 +633,23 @@
     return sum.divideScalar(Math.max(1, vectors.length));
   }
 
-  /** Up to some thousand heights of some scans, sorted. */
-  function sampleHeights(scans) {
+  /** Up to some thousand points of some scans, where they are drawn. */
+  function samplePoints(scans) {
     const total = scans.reduce((sum, scan) => sum + scan.count, 0);
     const stride = 3 * Math.max(1, Math.floor(total / 20000));
-    const heights = [];
-    for (const { positions } of scans) for (let k = 2; k < positions.length; k += stride) heights.push(positions[k]);
-    return Float32Array.from(heights).sort();
+    const samples = [];
+    for (const { positions, points } of scans) {
+      for (let k = 0; k < positions.length; k += stride) samples.push(new THREE.Vector3().fromArray(positions, k).add(points.position));
+    }
+    return samples;
+  }
+
+  /** The range of some values, a hundredth left out at either end. */
+  function bulk(values) {
+    const sorted = Float32Array.from(values).sort();
+    const low = sorted[Math.floor(0.01 * sorted.length)] ?? 0;
+    const high = sorted[Math.floor(0.99 * sorted.length)] ?? 1;
+    return { low, high, middle: (low + high) / 2 };
   }
 
   /** Position of a scan and its three axes, relative to the component's origin. */
@@ -605,14 +658,14 @@
     return { axes: [column(0), column(1), column(2)], position: column(3).sub(new THREE.Vector3(...origin)) };
   }
 
-  /** Segments between the centroids of scans that an edge joins, coloured by weight. */
+  /** Segments between the centroids of scans that an edge joins. */
   function edgeLines(edges, scans) {
     const centres = new Map(scans.filter((scan) => scan.count > 0).map((scan) => [scan.index, scan.centroid.clone().add(scan.points.position)]));
     const joined = edges.filter(({ i, j }) => centres.has(i) && centres.has(j));
     return {
       positions: joined.flatMap(({ i, j }) => [...centres.get(i), ...centres.get(j)]),
       colours: joined.flatMap((edge) => {
-        const colour = rgb(weightColour(edge.relativeWeight)).map((byte) => byte / 255);
+        const colour = rgb(edgeColour(edge)).map((byte) => byte / 255);
         return [...colour, ...colour];
       }),
     };
@@ -635,8 +688,10 @@
     return before ? element("label", {}, text, input) : element("label", {}, input, text);
   }
 
+  const option = ([value, textContent]) => element("option", { value, textContent });
+
   function choice(options, onChange, data) {
-    const select = element("select", { data }, ...options.map(([value, textContent]) => element("option", { value, textContent })));
+    const select = element("select", { data }, ...options);
     select.addEventListener("change", () => onChange(select.value));
     return select;
   }
@@ -658,13 +713,9 @@
   function componentChoice(report, show) {
     const several = report.registered.map((c) => [c, `${c}: ${plural(report.components[c].scans.length, "scan")}`]);
     const alone = report.singles.map((c) => [c, report.scans[report.components[c].scans[0]].name]);
-    const select = choice([], (value) => show(Number(value)), { control: "component" });
-    for (const [label, options] of [["Components", several], ["Not registered", alone]]) {
-      if (options.length === 0) continue;
-      const group = element("optgroup", { label }, ...options.map(([value, textContent]) => element("option", { value, textContent })));
-      select.append(group);
-    }
-    return select;
+    const groups = [["Components", several], ["Not registered", alone]].filter(([, options]) => options.length > 0);
+    return choice(groups.map(([label, options]) => element("optgroup", { label }, ...options.map(option))),
+      (value) => show(Number(value)), { control: "component" });
   }
 
   /** Fills the toolbar; returns what keeps it in line with the component that is shown. */
@@ -673,20 +724,19 @@
     let colouring = "scan";
     const showLegend = () => {
       legend.hidden = colouring !== "height";
-      legend.replaceChildren(rampLegend("Height, unit of the scans", view.heightRange, schemes.viridis));
+      legend.replaceChildren(rampLegend({ type: "linear", domain: view.heightRange, interpolate: schemes.viridis, label: "Height (z), unit of the scans" }));
     };
-    const colourings = [["scan", "scan"], ["component", "component"], ["height", "height"]];
-    const colour = choice(colourings, (value) => {
+    const colour = choice([["scan", "scan"], ["height", "height"]].map(option), (value) => {
       colouring = value;
       view.setColouring(value);
       showLegend();
     }, { control: "colouring" });
     const size = slider({ min: 1, max: 8, step: 0.5, value: 2, data: { control: "size" } }, (value) => view.setPointSize(value));
-    const explode = slider({ min: 0, max: 2, step: 0.02, value: 0, data: { control: "explode" } }, (value) => view.setExplosion(value));
+    const explode = slider({ min: 0, max: 5, step: 0.05, value: 0, data: { control: "explode" } }, (value) => view.setExplosion(value));
     const edges = checkbox((shown) => view.setOverlay("edges", shown), { control: "edges" });
     const frames = checkbox((shown) => view.setOverlay("frames", shown), { control: "frames" });
     const component = componentChoice(report, showComponent);
-    const reset = element("button", { type: "button", textContent: "Reset view", data: { control: "reset" } });
+    const reset = element("button", { type: "button", textContent: "Reset", title: "Look at the whole again", data: { control: "reset" } });
     reset.addEventListener("click", () => view.resetCamera());
 
     const controls = [
@@ -712,21 +762,35 @@
     document.title = `${report.title} ${dash} registration report`;
     byId("title").textContent = report.title;
     byId("summary").textContent = summary(report);
-    const voxel = report.voxel === null ? "" : `, voxel ${figure(report.voxel)}`;
-    byId("provenance").textContent = `${report.version}, ${report.features}${voxel}`;
+    const warning = warnings(report);
+    if (warning !== "") byId("summary").append("; ", element("strong", { textContent: warning }));
+    const voxel = report.voxel === null ? [] : [`voxel ${figure(report.voxel)} in the unit of the scans (${report.voxel_is_estimated ? "estimated" : "given"})`];
+    const total = report.stages.reduce((sum, stage) => sum + stage.seconds, 0);
+    const edges = plural(report.edges.length, "edge") + (report.dropped.length > 0 ? ` (${count(report.dropped.length)} dropped)` : "");
+    byId("provenance").textContent = [report.version, report.features, ...voxel, edges, seconds(total)].join(", ");
   }
 
+  /** How many scans share a frame, and what became of the others. */
   function summary(report) {
-    const total = report.stages.reduce((sum, stage) => sum + stage.seconds, 0);
-    const main = report.registered[0];
-    const together = main === undefined ? 0 : report.components[main].scans.length;
-    const registered = together === 0 ? "none registered" : `${count(together)} registered in one frame`;
-    const components = [
-      report.registered.length > 1 ? `${plural(report.registered.length, "component")} of several scans` : null,
-      report.singles.length > 0 && together > 0 ? `${plural(report.singles.length, "scan")} on ${report.singles.length === 1 ? "its" : "their"} own` : null,
-    ].filter(Boolean);
-    return [`${plural(report.scans.length, "scan")}, ${registered}`, ...components, plural(report.edges.length, "edge"), `${seconds(total)}.`].join("; ");
+    const n = report.scans.length;
+    const sizes = report.registered.map((component) => report.components[component].scans.length);
+    if (sizes.length === 0) return `${plural(n, "scan")}, none registered`;
+    const inFirst = sizes[0] === n ? `${plural(n, "scan")} in one frame` : `${count(sizes[0])} of ${plural(n, "scan")} in one frame`;
+    const inOthers = sizes.slice(1).map((size) => `${count(size)} in another`);
+    const alone = report.singles.length > 0 ? [`${count(report.singles.length)} not registered`] : [];
+    return list([inFirst, ...inOthers, ...alone]);
   }
+
+  /** What makes the result doubtful, or nothing. */
+  function warnings(report) {
+    const parts = (kind, ending) => {
+      const n = report.attention.filter((notice) => notice.kind === kind).length;
+      return n === 0 ? [] : [`${plural(n, "part")} ${n === 1 ? "hangs" : "hang"} on ${ending}`];
+    };
+    return list([...parts("loose", "dropped edges alone"), ...parts("bridge", "a single edge")]);
+  }
+
+  const entriesShown = 5;
 
   function renderAttention(report, selection) {
     const section = byId("attention");
@@ -734,14 +798,29 @@
       section.append(note("Nothing stands out."));
       return;
     }
-    const list = element("ul");
-    for (const { scans, text } of report.attention) {
-      const button = element("button", { type: "button", textContent: text, ariaPressed: "false" });
-      button.addEventListener("click", () => selection.selectScans(report, scans));
-      selection.onChange(() => (button.ariaPressed = String(scans.join() === selection.scans.join())));
-      list.append(element("li", {}, button));
+    section.querySelector("h2").append(` (${report.attention.length})`);
+    const items = report.attention.map((notice, k) => {
+      const edge = notice.edge === null ? null : report.edgeBetween(...notice.edge);
+      const button = element("button", { type: "button", textContent: notice.text, ariaPressed: "false", data: { kind: notice.kind } });
+      button.addEventListener("click", () => selection.select(notice.scans, edge));
+      selection.onChange(() => (button.ariaPressed = String(edge === selection.edge && notice.scans.join() === selection.scans.join())));
+      return element("li", { hidden: k >= entriesShown }, button);
+    });
+    section.append(element("ul", {}, ...items));
+    if (items.length > entriesShown) section.append(showAllButton(items));
+    const contradictions = report.attention.filter(({ kind }) => kind === "contradiction").length;
+    if (report.dropped.length > contradictions) {
+      section.append(note(`The table of edges lists all ${plural(report.dropped.length, "dropped edge")}.`));
     }
-    section.append(list);
+  }
+
+  function showAllButton(items) {
+    const button = element("button", { type: "button", className: "more", textContent: `Show all ${items.length}` });
+    button.addEventListener("click", () => {
+      for (const item of items) item.hidden = false;
+      button.remove();
+    });
+    return button;
   }
 
   // ------------------------------------------------------------------------------------ list of scans
@@ -749,26 +828,28 @@
   /** The list of scans with a checkbox each; returns what greys the scans outside the shown component. */
   function renderScans(report, view, selection) {
     const rows = report.scans.map((scan, index) => scanRow(report, index, view, selection));
-    const list = element("div", { className: "scan-list" });
+    const frame = element("div", { className: "scan-list" });
     for (const component of report.registered) {
       const { scans } = report.components[component];
-      const title = `Component ${component}: ${plural(scans.length, "scan")}`;
-      list.append(element("h3", {}, swatch(componentColour(report, component)), title), ...scans.map((s) => rows[s]));
+      const name = report.components.length === 1 ? "One frame" : `Component ${component}`;
+      frame.append(element("h3", {}, `${name}: ${plural(scans.length, "scan")}`), ...scans.map((s) => rows[s]));
     }
     if (report.singles.length > 0) {
       const singles = report.singles.map((component) => rows[report.components[component].scans[0]]);
-      list.append(element("h3", {}, `Not registered: ${plural(singles.length, "scan")}`), ...singles);
+      frame.append(element("h3", {}, `Not registered: ${plural(singles.length, "scan")}`), ...singles);
     }
-    byId("scans").append(scanTools(report, rows), list);
+    byId("scans").append(scanTools(report, rows), frame);
     selection.onChange(() => {
       rows.forEach((row, index) => row.classList.toggle("selected", selection.scans.includes(index)));
-      if (selection.scans.length > 0) scrollWithin(list, rows[selection.scans[0]]);
+      if (selection.scans.length > 0) scrollWithin(frame, rows[selection.scans[0]]);
     });
     return () => {
       rows.forEach((row, index) => {
         const isAway = view !== null && report.scans[index].component !== view.component;
         row.classList.toggle("away", isAway);
-        row.querySelector("input").disabled = isAway || view === null;
+        const box = row.querySelector("input");
+        box.disabled = isAway || view === null;
+        box.title = isAway ? "In another component than the one that is shown" : "";
       });
     };
   }
@@ -782,7 +863,7 @@
     }, { scan: index }, true);
     visible.ariaLabel = `Show ${scan.name}`;
     const name = element("button", { type: "button", textContent: scan.name, title: scan.name });
-    name.addEventListener("click", () => selection.selectScans(report, [index]));
+    name.addEventListener("click", () => selection.select([index]));
     const row = element("div", { className: "scan" },
       visible,
       element("span", { className: "index", textContent: index }),
@@ -811,7 +892,8 @@
       }
     };
     const button = (textContent, checked) => {
-      const node = element("button", { type: "button", textContent, data: { show: textContent.toLowerCase() } });
+      const title = `${textContent} of the scans below that belong to the component shown`;
+      const node = element("button", { type: "button", textContent, title, data: { show: textContent.toLowerCase() } });
       node.addEventListener("click", () => setAll(checked));
       return node;
     };
@@ -837,39 +919,65 @@
     selection.onChange(() => {
       strip.hidden = selection.scans.length === 0;
       if (strip.hidden) return;
-      const scans = selection.scans.map((index) => report.scans[index]);
-      const names = scans.flatMap((scan, k) => [...(k > 0 ? [` ${dash} `] : []), swatch(scanColour(scan)), scan.name]);
-      const parts = [element("h3", {}, ...names), clear, definitions(selectionRows(report, selection))];
-      if (new Set(scans.map((scan) => scan.component)).size > 1) {
-        parts.push(note("The two are in different components, whose poses do not compare: only one is shown."));
-      }
-      strip.replaceChildren(...parts);
+      strip.replaceChildren(selectionTitle(report, selection.scans), clear,
+        definitions(selectionRows(report, selection)), ...selectionNotes(report, selection.scans).map(note));
     });
   }
 
-  function selectionRows(report, { scans, edge }) {
-    if (edge !== null) return [["edge", pairName(edge)], ...evidence(edge)];
-    if (scans.length === 2) {
-      const [i, j] = scans;
-      return [["pair", pairName({ i, j })], ["confidence", figure(report.confidenceBetween(i, j))], ["", "no edge joins them"]];
+  /** The scans by name; three and more on one line, as far as it goes. */
+  function selectionTitle(report, indices) {
+    const scans = indices.map((index) => report.scans[index]);
+    if (scans.length > 2) {
+      const names = list(scans.map((scan) => scan.name));
+      return element("h3", { className: "group", textContent: `${plural(scans.length, "scan")}: ${names}`, title: names });
     }
-    return scanFacts(report, scans[0]);
+    return element("h3", {}, ...scans.flatMap((scan, k) => [...(k > 0 ? [` ${dash} `] : []), swatch(scanColour(scan)), scan.name]));
+  }
+
+  function selectionRows(report, { scans, edge }) {
+    const joins = edge !== null && scans.length === 2 && scans.includes(edge.i) && scans.includes(edge.j);
+    if (joins) return [["edge", pairName(edge)], ...evidence(edge)];
+    const holding = edge === null ? [] : [["only edge to the rest", pairName(edge)], ...evidence(edge)];
+    if (scans.length === 1) return [...scanFacts(report, scans[0]), ...holding];
+    if (scans.length > 2 || edge !== null) return [...groupFacts(report, scans), ...holding];
+    const [i, j] = scans;
+    return [["pair", pairName({ i, j })], ["confidence", confidenceText(report.confidenceBetween(i, j))], ["", "no edge joins them"]];
+  }
+
+  /** What is to be said of the scans themselves: why one is not registered, or that some do not compare. */
+  function selectionNotes(report, scans) {
+    const reasons = report.attention.filter((notice) => notice.kind === "alone" && scans.join() === notice.scans.join());
+    const isSplit = new Set(scans.map((scan) => report.scans[scan].component)).size > 1;
+    const split = isSplit ? ["They are in different components, whose poses do not compare: only one is shown."] : [];
+    return [...reasons.map(({ text }) => text), ...split];
+  }
+
+  function groupFacts(report, scans) {
+    const group = new Set(scans);
+    const ends = report.kept.map(({ i, j }) => group.has(i) + group.has(j));
+    return [
+      ["points", count(scans.reduce((sum, index) => sum + report.scans[index].points, 0))],
+      ["kept edges among them", count(ends.filter((n) => n === 2).length)],
+      ["to the rest", count(ends.filter((n) => n === 1).length)],
+    ];
   }
 
   function scanFacts(report, index) {
     const scan = report.scans[index];
     const isAlone = report.components[scan.component].scans.length === 1;
+    const ofScan = ({ i, j }) => i === index || j === index;
+    const component = report.components.length === 1 ? [] : [["component", isAlone ? "none: not registered" : scan.component]];
     return [
       ["scan", index],
-      ["component", isAlone ? "none: not registered" : scan.component],
+      ...component,
       ["points", count(scan.points)],
-      ["edges", count(report.edges.filter(({ i, j }) => i === index || j === index).length)],
+      ["edges kept", `${count(report.kept.filter(ofScan).length)} of ${count(report.edges.filter(ofScan).length)}`],
     ];
   }
 
   // -------------------------------------------------------------------------------------- pose graph
 
-  const pairsInGraph = { smallestShare: 0.02, most: 3000 };
+  const pairsInGraph = { smallestShare: 0.02, most: 1500 };
 
   /** Places of the scans on a circle, by component and index, with a gap between components. */
   function circleLayout(report) {
@@ -901,10 +1009,10 @@
     return Plot.line(samples, { x: "x", y: "y", z: "z", curve: "basis", strokeWidth: 1, ...style });
   }
 
-  /** The pairs worth a grey line: confident ones, the strongest if there are too many. */
+  /** The pairs without an edge worth a grey line: confident ones, the strongest if there are too many. */
   function confidentPairs(report) {
     const threshold = pairsInGraph.smallestShare * report.largestConfidence;
-    const pairs = allPairs(report).filter(({ confidence }) => confidence > 0 && confidence >= threshold);
+    const pairs = allPairs(report).filter(({ i, j, confidence }) => confidence > 0 && confidence >= threshold && report.edgeBetween(i, j) === null);
     return pairs.sort((a, b) => b.confidence - a.confidence).slice(0, pairsInGraph.most).reverse();
   }
 
@@ -912,10 +1020,11 @@
     const section = byId("graph");
     if (report.scans.length < 2) return void section.append(note("A pose graph needs two scans."));
     const places = circleLayout(report);
-    const edges = [...report.edges].sort((a, b) => a.relativeWeight - b.relativeWeight);
+    const pairs = confidentPairs(report);
+    const kept = [...report.kept].sort((a, b) => a.isBridge - b.isBridge || a.share - b.share);
     const indices = report.scans.map((_, index) => index);
-    const labelled = indices.filter((index) => index % Math.ceil(report.scans.length / 90) === 0);
-    const radius = Math.max(2, Math.min(5.5, 240 / report.scans.length));
+    const numbered = indices.filter((index) => index % Math.ceil(report.scans.length / 90) === 0);
+    const hit = { stroke: "transparent", strokeWidth: 7 };
     const svg = Plot.plot({
       ...plotStyle,
       ariaLabel: "Scans on a circle, joined by the edges of the pose graph",
@@ -925,55 +1034,84 @@
       x: { domain: [-1.1, 1.1] },
       y: { domain: [-1.1, 1.1] },
       marks: [
-        arcs(places, confidentPairs(report), {
+        arcs(places, pairs, {
           className: "pairs",
-          stroke: "#59636e",
-          strokeOpacity: ({ pair }) => (0.5 * pair.confidence) / report.largestConfidence,
+          stroke: pairColour,
+          strokeOpacity: ({ pair }) => 0.75 * Math.sqrt(pair.confidence / report.largestConfidence),
         }),
-        arcs(places, report.unresolved, { className: "unresolved", stroke: "#c2410c", strokeDasharray: "3,4" }),
-        arcs(places, edges, { className: "edges", stroke: ({ pair }) => weightColour(pair.relativeWeight), strokeWidth: 1.7 }),
-        arcs(places, edges, { className: "hit", stroke: "transparent", strokeWidth: 8 }),
+        arcs(places, report.unresolved, { className: "unresolved", stroke: pairColour, strokeDasharray: "3,4" }),
+        arcs(places, report.dropped, { className: "dropped", stroke: droppedColour }),
+        arcs(places, kept, {
+          className: "kept",
+          stroke: ({ pair }) => edgeColour(pair),
+          strokeWidth: ({ pair }) => (pair.isBridge ? 3 : 1.8),
+        }),
+        arcs(places, pairs, { className: "hit-pairs", ...hit, strokeWidth: 4 }),
+        arcs(places, report.dropped, { className: "hit-dropped", ...hit }),
+        arcs(places, kept, { className: "hit-kept", ...hit }),
         Plot.dot(indices, {
           className: "nodes",
           x: (index) => places[index].x,
           y: (index) => places[index].y,
-          r: radius,
+          r: Math.max(2, Math.min(5.5, 240 / report.scans.length)),
           fill: (index) => scanColour(report.scans[index]),
-          stroke: (index) => (report.scans[index].attention ? "#c2410c" : "#fff"),
+          stroke: (index) => (report.scans[index].attention ? bridgeColour : "#fff"),
           strokeWidth: (index) => (report.scans[index].attention ? 2.4 : 1),
         }),
-        Plot.text(labelled, { x: (index) => 1.06 * places[index].x, y: (index) => 1.06 * places[index].y, text: String, fontSize: 10, fill: "#626a73" }),
+        Plot.text(numbered, { x: (index) => 1.06 * places[index].x, y: (index) => 1.06 * places[index].y, text: String, fontSize: 10, fill: "#626a73" }),
       ],
     });
-    bindEdges(report, svg, edges, drawn(svg, "edges"), drawn(svg, "hit"), selection);
+    bindPairs(report, drawn(svg, "pairs"), drawn(svg, "hit-pairs"), pairs, selection);
+    bindEdges(report, report.dropped, drawn(svg, "dropped"), drawn(svg, "hit-dropped"), selection);
+    bindEdges(report, kept, drawn(svg, "kept"), drawn(svg, "hit-kept"), selection);
     bindNodes(report, drawn(svg, "nodes"), selection);
-    const legends = element("div", { className: "legends" }, rampLegend("Final weight, relative to the largest", [0, 1], weightColour));
-    section.append(legends, element("figure", { className: "plot" }, svg), note(graphCaption(report)));
+    selection.onChange(() => svg.classList.toggle("selecting", selection.scans.length > 0));
+    section.append(graphLegends(report, svg, pairs.length), element("figure", { className: "plot" }, svg), note(graphCaption(report)));
+  }
+
+  /** The colours of the graph; those that may hide others come with a box to switch them off. */
+  function graphLegends(report, svg, numPairs) {
+    const legends = element("div", { className: "legends" });
+    if (report.edges.length > 0) legends.append(shareLegend());
+    if (report.edges.some((edge) => edge.isBridge)) legends.append(element("span", { className: "key" }, swatch(bridgeColour), "alone holds a part"));
+    const switchable = [
+      ["dropped", droppedColour, `${count(report.dropped.length)} dropped`, report.dropped.length],
+      ["pairs", pairColour, "confidence of other pairs", numPairs],
+    ];
+    for (const [name, colour, text, n] of switchable.filter((entry) => entry[3] > 0)) {
+      const box = checkbox((shown) => svg.classList.toggle(`without-${name}`, !shown), { graph: name }, true);
+      legends.append(element("label", { className: "key" }, box, swatch(colour), text));
+    }
+    return legends;
   }
 
   function graphCaption(report) {
-    const unresolved = report.unresolved.length === 0 ? "" : ` Dashed: ${plural(report.unresolved.length, "selected pair")} for which no motion was found.`;
-    return `Grey: confidence of a pair.${unresolved} Ringed: scans that deserve a look. Hover an edge for its evidence, click it to see its two scans.`;
+    return [
+      report.dropped.length > 0 ? "An edge is dropped if it kept less than a tenth of its weight: the result contradicts it." : "",
+      report.unresolved.length > 0 ? `Dashed: ${plural(report.unresolved.length, "selected pair")} for which no motion was found.` : "",
+      report.scans.some((scan) => scan.attention) ? "Ringed: scans that deserve a look." : "",
+      "Hover a line for its evidence, click it to see its two scans.",
+    ].filter(Boolean).join(" ");
+  }
+
+  function bindPairs(report, lines, hits, pairs, selection) {
+    pairs.forEach(({ i, j, confidence }, k) => {
+      bindPointer(hits[k], lines[k], () => ({ title: edgeTitle(report, { i, j }), rows: [["confidence", confidenceText(confidence)], ["edge", "no"]] }),
+        () => selection.select([i, j]));
+    });
   }
 
   /** Makes edges answer to the pointer, by the wider invisible `hits` over the `lines`. */
-  function bindEdges(report, svg, edges, lines, hits, selection) {
+  function bindEdges(report, edges, lines, hits, selection) {
     edges.forEach((edge, k) => {
       lines[k].classList.add("edge");
       lines[k].dataset.edge = edge.index;
-      bindPointer(hits[k], lines[k], () => ({ title: edgeTitle(report, edge), rows: evidence(edge) }),
-        () => selection.selectScans(report, [edge.i, edge.j]));
+      bindPointer(hits[k], lines[k], () => ({ title: edgeTitle(report, edge), rows: evidence(edge) }), () => selection.selectEdge(edge));
     });
-    selection.onChange(() => markSelected(svg, lines, edges, selection));
+    selection.onChange(() => edges.forEach((edge, k) => lines[k].classList.toggle("selected", selection.includes(edge))));
   }
 
   const edgeTitle = (report, edge) => `${pairName(edge)}: ${report.scans[edge.i].name} ${dash} ${report.scans[edge.j].name}`;
-
-  function markSelected(svg, lines, edges, selection) {
-    const isSelected = (edge) => edge === selection.edge || (selection.scans.length === 1 && [edge.i, edge.j].includes(selection.scans[0]));
-    svg.classList.toggle("selecting", selection.scans.length > 0);
-    edges.forEach((edge, k) => lines[k].classList.toggle("selected", isSelected(edge)));
-  }
 
   /** Tooltip and click on `target`, with `mark` emphasised while the pointer is over it. */
   function bindPointer(target, mark, describe, onClick) {
@@ -993,18 +1131,18 @@
       node.classList.add("node");
       node.dataset.node = index;
       bindPointer(node, node, () => ({ title: report.scans[index].name, rows: scanFacts(report, index) }),
-        () => selection.selectScans(report, [index]));
+        () => selection.select([index]));
     });
     selection.onChange(() => nodes.forEach((node, index) => node.classList.toggle("selected", selection.scans.includes(index))));
   }
 
   // ------------------------------------------------------------------------------- confidence matrix
 
-  /** Confidences as the full n x n matrix, row by row; the diagonal is empty. */
-  function fullMatrix(report) {
+  /** Confidences above the diagonal of an n x n matrix, row by row; the rest is empty. */
+  function upperTriangle(report) {
     const n = report.scans.length;
     const values = new Array(n * n).fill(NaN);
-    for (const { i, j, confidence } of allPairs(report)) values[i * n + j] = values[j * n + i] = confidence;
+    for (const { i, j, confidence } of allPairs(report)) values[i * n + j] = confidence;
     return values;
   }
 
@@ -1012,15 +1150,12 @@
     const section = byId("matrix");
     const n = report.scans.length;
     if (n < 2) return void section.append(note("One scan has no pair."));
-    const domain = [0, report.largestConfidence || 1];
-    const cells = report.edges.flatMap((edge) => [{ edge, row: edge.i, column: edge.j }, { edge, row: edge.j, column: edge.i }]);
-    const cell = 518 / n;
     const tickStep = [1, 2, 5, 10, 20, 50, 100, 200].find((step) => n / step <= 16) ?? 500;
     const ticks = Array.from({ length: Math.ceil(n / tickStep) }, (_, k) => k * tickStep);
     const axis = { domain: [0, n], ticks: ticks.map((t) => t + 0.5), tickFormat: (t) => String(Math.floor(t)), tickSize: 3, label: null };
     const svg = Plot.plot({
       ...plotStyle,
-      ariaLabel: "Confidence of every pair of scans",
+      ariaLabel: "Confidence of every pair of scans, and the edges",
       height: 542,
       margin: 4,
       marginTop: 20,
@@ -1028,27 +1163,25 @@
       marginRight: 10,
       x: { ...axis, axis: "top" },
       y: { ...axis, reverse: true },
-      color: { type: "linear", domain, interpolate: confidenceColour, unknown: "#e9ecef" },
+      color: { ...confidenceScale(report), unknown: "#fff" },
       marks: [
-        Plot.raster(fullMatrix(report), { width: n, height: n, imageRendering: "pixelated" }),
-        Plot.rect(cells, {
+        Plot.raster(upperTriangle(report), { width: n, height: n, imageRendering: "pixelated" }),
+        Plot.rect(report.edges, {
           className: "cells",
-          x1: ({ column }) => column,
-          x2: ({ column }) => column + 1,
-          y1: ({ row }) => row,
-          y2: ({ row }) => row + 1,
-          fill: "none",
-          stroke: "#e8590c",
-          strokeWidth: Math.max(0.7, Math.min(1.6, cell / 5)),
-          inset: Math.min(1, cell / 10),
+          x1: ({ i }) => i,
+          x2: ({ i }) => i + 1,
+          y1: ({ j }) => j,
+          y2: ({ j }) => j + 1,
+          fill: report.edges.map(edgeColour),
           pointerEvents: "none",
         }),
+        Plot.line([[0, 0], [n, n]], { stroke: "#c8ced4" }),
       ],
     });
-    bindMatrix(report, svg, cells, selection);
-    const legends = element("div", { className: "legends" }, rampLegend("Confidence", domain, confidenceColour));
+    bindMatrix(report, svg, selection);
+    const legends = element("div", { className: "legends" }, rampLegend(confidenceScale(report)));
     section.append(legends, element("figure", { className: "plot" }, svg),
-      note("Rows and columns are the scans by index. Framed: the pairs selected as edges."));
+      note("Rows and columns are the scans by index. Above the diagonal: confidence. Below: the pairs selected as edges, in their colours of the graph."));
   }
 
   /** The pair under the pointer, or `null` on the diagonal and outside. */
@@ -1061,25 +1194,25 @@
     return isScan(i) && isScan(j) && i !== j ? { i: Math.min(i, j), j: Math.max(i, j) } : null;
   }
 
-  function bindMatrix(report, svg, cells, selection) {
-    const marks = drawn(svg, "cells");
-    cells.forEach(({ edge }, k) => {
-      marks[k].classList.add("edge");
-      marks[k].dataset.edge = edge.index;
+  function bindMatrix(report, svg, selection) {
+    const cells = drawn(svg, "cells");
+    cells.forEach((cell, k) => {
+      cell.classList.add("edge");
+      cell.dataset.edge = k;
     });
     svg.addEventListener("mousemove", (event) => {
       const pair = pairAt(report, svg, event);
       if (pair === null) return hideTooltip();
       const edge = report.edgeBetween(pair.i, pair.j);
-      const rows = edge === null ? [["confidence", figure(report.confidenceBetween(pair.i, pair.j))], ["edge", "no"]] : evidence(edge);
+      const rows = edge === null ? [["confidence", confidenceText(report.confidenceBetween(pair.i, pair.j))], ["edge", "no"]] : evidence(edge);
       showTooltip(event, { title: edgeTitle(report, pair), rows });
     });
     svg.addEventListener("mouseleave", hideTooltip);
     svg.addEventListener("click", (event) => {
       const pair = pairAt(report, svg, event);
-      if (pair !== null) selection.selectScans(report, [pair.i, pair.j]);
+      if (pair !== null) selection.select([pair.i, pair.j], report.edgeBetween(pair.i, pair.j));
     });
-    selection.onChange(() => cells.forEach(({ edge }, k) => marks[k].classList.toggle("selected", edge === selection.edge)));
+    selection.onChange(() => cells.forEach((cell, k) => cell.classList.toggle("selected", report.edges[k] === selection.edge)));
   }
 
   // ------------------------------------------------------------------------------------------ weights
@@ -1089,54 +1222,69 @@
     const iterations = largest(report.edges.map((edge) => edge.weights.length)) - 1;
     if (report.edges.length === 0) return void section.append(note("There are no edges."));
     if (iterations < 1) return void section.append(note("Nothing was reweighted: every edge keeps its initial weight."));
-    const edges = [...report.edges].sort((a, b) => a.hasFallen - b.hasFallen);
-    const fallen = edges.filter((edge) => edge.hasFallen);
-    const samples = edges.flatMap((edge) => edge.weights.map((weight, iteration) => ({ edge, weight, iteration })));
-    const line = { x: "iteration", y: "weight", z: (sample) => sample.edge.index };
+    const edges = [...report.dropped, ...report.kept];
+    const samples = edges.flatMap((edge) => edge.weights.map((weight, iteration) => ({ edge, share: shareOf(weight, edge), iteration })));
+    const line = { x: "iteration", y: "share", z: (sample) => sample.edge.index };
     const svg = Plot.plot({
       ...plotStyle,
-      ariaLabel: "Weight of every edge after each iteration",
-      height: 260,
-      marginLeft: 40,
+      ariaLabel: "Weight of every edge after each iteration, relative to its initial weight",
+      height: 280,
+      marginLeft: 46,
       marginRight: 12,
       marginBottom: 36,
       x: { label: "Iteration", ticks: Math.min(iterations, 12), tickFormat: "d", domain: [0, iterations] },
-      y: { label: "Weight", grid: true, zero: true, ticks: 5 },
+      y: { label: "Share of its initial weight", grid: true, domain: [0, 1], ticks: 5, tickFormat: "%" },
       marks: [
         Plot.ruleY([0], { stroke: "#c8ced4" }),
+        Plot.ruleY([smallestKeptShare], { stroke: bridgeColour, strokeDasharray: "4,4" }),
         Plot.line(samples, {
           ...line,
           className: "edges",
-          stroke: (sample) => (sample.edge.hasFallen ? "#c2410c" : "#5b7a99"),
-          strokeWidth: 1.4,
-          strokeOpacity: (sample) => (sample.edge.hasFallen ? 0.95 : 0.35),
+          stroke: (sample) => edgeColour(sample.edge),
+          strokeWidth: (sample) => (sample.edge.isKept ? 1.5 : 1),
         }),
         Plot.line(samples, { ...line, className: "hit", stroke: "transparent", strokeWidth: 8 }),
       ],
     });
-    bindEdges(report, svg, edges, drawn(svg, "edges"), drawn(svg, "hit"), selection);
-    const lost = fallen.length === 0 ? "No edge lost more than half of its weight." : `${plural(fallen.length, "edge")} lost more than half of ${fallen.length === 1 ? "its" : "their"} weight.`;
-    section.append(element("figure", { className: "plot" }, svg), note(lost));
+    bindEdges(report, edges, drawn(svg, "edges"), drawn(svg, "hit"), selection);
+    selection.onChange(() => svg.classList.toggle("selecting", selection.scans.length > 0));
+    section.append(element("figure", { className: "plot" }, svg),
+      note(`${count(report.dropped.length)} of ${plural(report.edges.length, "edge")} fell below the dashed line and ${report.dropped.length === 1 ? "is" : "are"} dropped.`));
   }
 
   // ------------------------------------------------------------------------------------ table of edges
 
   const edgeColumns = [
-    { title: "Edge", value: (edge) => edge.i * 1e6 + edge.j, cell: pairName },
-    { title: "Confi\u00addence", value: (edge) => edge.confidence },
-    { title: "Inlier ratio", value: (edge) => edge.inlier_ratio },
-    { title: "Corr.", value: (edge) => edge.correspondences, cell: (edge) => count(edge.correspondences) },
-    { title: "Initial weight", value: (edge) => edge.initial_weight },
-    { title: "Final weight", value: (edge) => edge.final_weight },
-    { title: "Rot. °", value: (edge) => edge.rotation_residual },
-    { title: "Transl.", value: (edge) => edge.translation_residual },
+    { title: "Edge", meaning: "Indices of the two scans", value: (edge) => edge.i * 1e6 + edge.j, cell: pairName },
+    { title: "Confi\u00addence", meaning: "How alike the two scans are, from their features alone: 0 to 1", value: (edge) => edge.confidence, cell: (edge) => confidenceText(edge.confidence) },
+    { title: "Corr.", meaning: "Correspondences: pairs of points whose features match", value: (edge) => edge.correspondences, cell: (edge) => count(edge.correspondences) },
+    { title: "Agree", meaning: "Inlier ratio: the share of the correspondences that the motion of the edge explains", value: (edge) => edge.inlier_ratio, cell: (edge) => percent(edge.inlier_ratio) },
+    { title: "Weight", meaning: "Final weight of the edge", value: (edge) => edge.final_weight, cell: (edge) => weightText(edge.final_weight) },
+    { title: "Kept", meaning: "Final weight, relative to the initial weight", value: (edge) => edge.share, cell: (edge) => percent(edge.share) },
+    { title: "Rot. °", meaning: "Rotation residual: by what angle the result is off the motion of the edge", value: (edge) => edge.rotation_residual, cell: (edge) => tableResidual(edge, edge.rotation_residual, 2) },
+    { title: "Transl.", meaning: "Translation residual: by what length the result is off the motion of the edge, in the unit of the scans", value: (edge) => edge.translation_residual, cell: (edge, digits) => tableResidual(edge, edge.translation_residual, digits) },
   ];
+
+  const tableResidual = (edge, value, digits) => (value === null || edge.isBridge ? dash : decimals(value, digits));
+
+  /** Decimals that give a typical translation residual two digits. */
+  function translationDigits(report) {
+    const residuals = report.kept.map((edge) => edge.translation_residual).filter((value) => value > 0).sort((a, b) => a - b);
+    const typical = residuals[residuals.length >> 1] ?? 0.1;
+    return Math.max(0, Math.min(9, 1 - Math.floor(Math.log10(typical))));
+  }
+
+  /** The edges on which most depends first: bridges, kept edges from the weakest on, dropped edges. */
+  function byImportance(a, b) {
+    return b.isBridge - a.isBridge || b.isKept - a.isKept || a.final_weight - b.final_weight;
+  }
 
   function renderEdges(report, selection) {
     const section = byId("edges");
     if (report.edges.length === 0) return void section.append(note("No pair of scans became an edge."));
-    const rows = report.edges.map((edge) => edgeRow(report, edge, selection));
-    const body = element("tbody", {}, ...rows);
+    const digits = translationDigits(report);
+    const rows = report.edges.map((edge) => edgeRow(report, edge, digits, selection));
+    const body = element("tbody", {}, ...[...report.edges].sort(byImportance).map((edge) => rows[edge.index]));
     const headings = edgeColumns.map((column) => sortableHeading(column, report, rows, body));
     const table = element("table", {}, element("thead", {}, element("tr", {}, ...headings)), body);
     const frame = element("div", { className: "table-frame", tabIndex: 0 }, table);
@@ -1144,25 +1292,22 @@
       rows.forEach((row, index) => row.classList.toggle("selected", report.edges[index] === selection.edge));
       if (selection.edge !== null) scrollWithin(frame, rows[selection.edge.index]);
     });
-    section.append(frame);
+    section.append(frame, note("First edges that alone hold a part, which nothing can contradict; then kept edges, the weakest first; then dropped ones. Headings explain themselves when hovered and sort when pressed."));
   }
 
-  function edgeRow(report, edge, selection) {
-    const cells = edgeColumns.map(({ value, cell }) => {
-      const shown = cell ?? ((e) => (value(e) === null ? dash : figure(value(e))));
-      return element("td", { textContent: shown(edge) });
-    });
+  function edgeRow(report, edge, digits, selection) {
+    const [first, ...others] = edgeColumns.map(({ cell }) => element("td", { textContent: cell(edge, digits) }));
     const button = element("button", { type: "button", textContent: pairName(edge), title: edgeTitle(report, edge) });
-    cells[0].replaceChildren(swatch(weightColour(edge.relativeWeight)), button);
-    cells[5].classList.toggle("fallen", edge.hasFallen);
-    const row = element("tr", { data: { edge: edge.index } }, ...cells);
-    row.addEventListener("click", () => selection.selectScans(report, [edge.i, edge.j]));
+    first.replaceChildren(swatch(edgeColour(edge)), button);
+    const row = element("tr", { data: { edge: edge.index } }, first, ...others);
+    row.classList.toggle("dropped", !edge.isKept);
+    row.addEventListener("click", () => selection.selectEdge(edge));
     return row;
   }
 
   /** A column heading that sorts by its column, the other way round when pressed again. */
-  function sortableHeading({ title, value }, report, rows, body) {
-    const button = element("button", { type: "button", textContent: title });
+  function sortableHeading({ title, meaning, value }, report, rows, body) {
+    const button = element("button", { type: "button", textContent: title, title: meaning });
     const heading = element("th", { scope: "col" }, button);
     button.addEventListener("click", () => {
       const sign = heading.ariaSort === "ascending" ? -1 : 1;
@@ -1214,11 +1359,11 @@
     };
     followComponent.push(renderControls(report, view, show));
     selection.onChange(() => {
-      const components = selection.scans.map((index) => report.scans[index].component);
+      const components = selection.scans.filter((index) => report.scans[index].count > 0).map((index) => report.scans[index].component);
       if (components.length > 0 && !components.includes(view.component)) show(components[0]);
       view.highlight(selection.scans);
     });
-    view.onPick = (scan) => (scan === null ? selection.clear() : selection.selectScans(report, [scan]));
+    view.onPick = (scan) => (scan === null ? selection.clear() : selection.select([scan]));
     view.onFrame = markReady;
   }
 
