@@ -41,6 +41,8 @@
 //! per scan the component whose frame its pose is in. Scans that overlap with no other stay in
 //! components of their own instead of being forced into place.
 //!
+//! Where scans come one by one, a [`Registry`] keeps what is known of the earlier ones.
+//!
 //! A program with a progress bar, or one that can be told to stop, calls [`register_observed`].
 //!
 //! Scans and pairs are processed in parallel on the current [rayon] pool; the same input gives the
@@ -58,6 +60,7 @@ mod params;
 mod preset;
 mod register;
 mod registration;
+mod registry;
 
 #[cfg(feature = "features")]
 pub use describe::{describe_cloud, describe_clouds};
@@ -69,6 +72,7 @@ pub use params::Params;
 pub use preset::{Preset, UnknownPreset};
 pub use register::{register, register_observed};
 pub use registration::{EdgeEvidence, Registration, StageTimes, UnresolvedPair};
+pub use registry::Registry;
 
 pub use gmpcr_cliques as cliques;
 pub use gmpcr_compatibility as compatibility;

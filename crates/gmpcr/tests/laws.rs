@@ -6,8 +6,8 @@ use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
 use std::sync::Mutex;
 
 use gmpcr::{
-    Descriptors, Error, Observer, Params, Registration, Scan, Stage, register, register_observed,
-    register_pair,
+    Descriptors, Error, Observer, Params, Registration, Registry, Scan, Stage, register,
+    register_observed, register_pair,
 };
 
 /// A fixed number in (−1, 1) that looks random.
@@ -459,4 +459,93 @@ fn a_cancelled_registration_names_the_stage() {
             other => panic!("{other:?}"),
         }
     }
+}
+
+/// Bit for bit, but for the times.
+fn assert_same(a: &Registration, b: &Registration) {
+    assert_eq!(a.world_from_scan, b.world_from_scan);
+    assert_eq!(a.components, b.components);
+    assert_eq!(a.graph, b.graph);
+    assert_eq!(a.evidence, b.evidence);
+    assert_eq!(a.unresolved, b.unresolved);
+    assert_eq!(a.confidences, b.confidences);
+    assert_eq!(a.synchronization, b.synchronization);
+}
+
+#[test]
+fn scans_that_come_and_go_are_registered_as_if_they_had_come_at_once() {
+    let (all, params) = (VIEWS.scans(), Params::default());
+    let mut registry = Registry::new(params.clone()).unwrap();
+    let mut scans = Vec::new();
+    for added in [&all[..4], &all[4..5], &[], &all[5..]] {
+        registry.add(added, &()).unwrap();
+        scans.extend_from_slice(added);
+        let (grown, batch) = (
+            registry.registration(&()).unwrap(),
+            register(&scans, &params).unwrap(),
+        );
+        assert_same(&grown, &batch);
+    }
+    for removed in [8, 0, 3] {
+        registry.remove(removed);
+        scans.remove(removed);
+        let (shrunk, batch) = (
+            registry.registration(&()).unwrap(),
+            register(&scans, &params).unwrap(),
+        );
+        assert_same(&shrunk, &batch);
+    }
+    registry.add(&all[..1], &()).unwrap();
+    scans.push(all[0].clone());
+    assert_same(
+        &registry.registration(&()).unwrap(),
+        &register(&scans, &params).unwrap(),
+    );
+    assert_eq!(registry.len(), 7);
+}
+
+#[test]
+fn adding_a_scan_scores_its_own_pairs_only() {
+    let scans = VIEWS.scans();
+    let mut registry = Registry::new(Params::default()).unwrap();
+    registry.add(&scans[..8], &()).unwrap();
+    let witness = Witness::default();
+    registry.add(&scans[8..], &witness).unwrap();
+    let stages = witness.stages.into_inner().unwrap();
+    assert_eq!(stages, [(Stage::Sampling, 1, 1), (Stage::Scoring, 8, 8)]);
+}
+
+#[test]
+fn what_cannot_be_added_leaves_a_registry_as_it_was() {
+    let scans = VIEWS.scans();
+    let mut registry = Registry::new(Params::default()).unwrap();
+    assert!(matches!(registry.registration(&()), Err(Error::NoScans)));
+    registry.add(&scans[..3], &()).unwrap();
+    let before = registry.registration(&()).unwrap();
+
+    let other = Scan::new(
+        vec![Point3::origin()],
+        Descriptors::new(vec![0.0; 3], 3).unwrap(),
+    )
+    .unwrap();
+    let outcome = registry.add(&[other], &());
+    assert!(matches!(
+        outcome,
+        Err(Error::DimensionsDiffer {
+            first: 0,
+            scan: 3,
+            dimension: 3,
+            ..
+        })
+    ));
+    let witness = Witness {
+        patience: Some(4),
+        ..Witness::default()
+    };
+    assert!(matches!(
+        registry.add(&scans[3..6], &witness),
+        Err(Error::Cancelled { .. })
+    ));
+    assert_eq!(registry.len(), 3);
+    assert_same(&registry.registration(&()).unwrap(), &before);
 }
