@@ -239,26 +239,43 @@ impl ShiftedFactor {
 
 /// `B v` of a symmetric matrix, column by column as inner products.
 fn product(matrix: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f64> {
-    let columns = matrix.as_slice().chunks_exact(matrix.nrows().max(1));
-    let entries = columns.map(|column| inner_product(column, vector.as_slice()));
-    DVector::from_iterator(matrix.nrows(), entries)
+    let size = matrix.nrows();
+    let vector = vector.as_slice();
+    let mut image = DVector::zeros(size);
+    let mut entries = image.as_mut_slice().chunks_exact_mut(2);
+    let mut columns = matrix.as_slice().chunks_exact(2 * size.max(1));
+    for (entries, two) in (&mut entries).zip(&mut columns) {
+        let (a, b) = two.split_at(size);
+        entries.copy_from_slice(&inner_products([a, b], vector));
+    }
+    if let [entry] = entries.into_remainder() {
+        [*entry] = inner_products([columns.remainder()], vector);
+    }
+    image
 }
 
-/// Inner product in eight partial sums, which become vector registers, in a fixed order.
-fn inner_product(a: &[f64], b: &[f64]) -> f64 {
+/// Inner products of columns with one vector, each in eight partial sums, which become vector registers,
+/// in a fixed order.
+fn inner_products<const N: usize>(columns: [&[f64]; N], vector: &[f64]) -> [f64; N] {
     const LANES: usize = 8;
-    let mut sums = [0.0; LANES];
-    let (a_blocks, b_blocks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest = a_blocks.remainder().iter().zip(b_blocks.remainder());
-    for (x, y) in a_blocks.zip(b_blocks) {
-        for lane in 0..LANES {
-            sums[lane] += x[lane] * y[lane];
+    let mut sums = [[0.0; LANES]; N];
+    let whole = vector.len() / LANES * LANES;
+    for start in (0..whole).step_by(LANES) {
+        let block = &vector[start..start + LANES];
+        for (sums, column) in sums.iter_mut().zip(&columns) {
+            let column = &column[start..start + LANES];
+            for lane in 0..LANES {
+                sums[lane] += column[lane] * block[lane];
+            }
         }
     }
-    for (lane, (x, y)) in rest.enumerate() {
-        sums[lane] += x * y;
+    for (sums, column) in sums.iter_mut().zip(&columns) {
+        let rest = column[whole..].iter().zip(&vector[whole..]);
+        for (sum, (x, y)) in sums.iter_mut().zip(rest) {
+            *sum += x * y;
+        }
     }
-    sums.iter().sum()
+    sums.map(|sums| sums.iter().sum())
 }
 
 /// A connected part of the graph of the positive entries.
@@ -270,13 +287,16 @@ struct Part {
 }
 
 impl Part {
-    /// Its rows and columns of the matrix.
+    /// Its rows and columns of the matrix, copied by runs of successive nodes.
     fn of(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
         let (size, all) = (self.nodes.len(), matrix.nrows());
+        let runs: Vec<_> = self.nodes.chunk_by(|a, b| a + 1 == *b).collect();
         let mut entries = Vec::with_capacity(size * size);
         for &node in &self.nodes {
             let column = &matrix.as_slice()[node * all..][..all];
-            entries.extend(self.nodes.iter().map(|&row| column[row]));
+            for run in &runs {
+                entries.extend_from_slice(&column[run[0]..][..run.len()]);
+            }
         }
         DMatrix::from_vec(size, size, entries)
     }
@@ -285,13 +305,17 @@ impl Part {
 /// The parts with a positive entry in descending order of their bounds; equal ones: lower index.
 fn connected_parts(matrix: &DMatrix<f64>) -> Vec<Part> {
     let size = matrix.nrows();
+    let row_sums = product(matrix, &DVector::repeat(size, 1.0));
     let mut unseen: Vec<usize> = (0..size).rev().collect();
     let mut parts = Vec::new();
     while let Some(first) = unseen.pop() {
+        if row_sums[first] <= 0.0 {
+            continue;
+        }
         let (mut nodes, mut next, mut bound) = (vec![first], 0, 0f64);
         while next < nodes.len() {
             let column = &matrix.as_slice()[nodes[next] * size..(nodes[next] + 1) * size];
-            bound = bound.max(column.iter().sum());
+            bound = bound.max(row_sums[nodes[next]]);
             unseen.retain(|&node| {
                 let is_joined = column[node] > 0.0;
                 if is_joined {
@@ -304,7 +328,6 @@ fn connected_parts(matrix: &DMatrix<f64>) -> Vec<Part> {
         nodes.sort_unstable();
         parts.push(Part { nodes, bound });
     }
-    parts.retain(|part| part.bound > 0.0);
     parts.sort_by(|a, b| b.bound.total_cmp(&a.bound).then(a.nodes.cmp(&b.nodes)));
     parts
 }

@@ -90,18 +90,27 @@ fn first_order(pairs: &PointPairs, tolerance: f64) -> DMatrix<f64> {
 }
 
 /// `b_mn = a_mn Σ_l a_ml a_ln`.
+///
+/// Four supporters `l` are added in one pass over the column: it is read and written a quarter as often,
+/// and the sums have the same order.
 fn second_order(fcg: &DMatrix<f64>) -> DMatrix<f64> {
     let size = fcg.nrows();
     let mut scg = DMatrix::zeros(size, size);
     let column_of = |k: usize| &fcg.as_slice()[k * size..(k + 1) * size];
+    let mut supporters = Vec::with_capacity(size);
     for (m, column) in scg.as_mut_slice().chunks_exact_mut(size.max(1)).enumerate() {
         let (below, affinities) = (&mut column[m + 1..], column_of(m));
-        for (l, &affinity) in affinities.iter().enumerate() {
-            if affinity > 0.0 {
-                let supported = &column_of(l)[m + 1..];
-                for (sum, &support) in below.iter_mut().zip(supported) {
-                    *sum += affinity * support;
-                }
+        let supported = |l: usize| (affinities[l], &column_of(l)[m + 1..]);
+        supporters.clear();
+        supporters.extend((0..size).filter(|&l| affinities[l] > 0.0));
+        let mut fours = supporters.chunks_exact(4);
+        for four in &mut fours {
+            add_four(below, std::array::from_fn(|k| supported(four[k])));
+        }
+        for &l in fours.remainder() {
+            let (affinity, supported) = supported(l);
+            for (sum, &support) in below.iter_mut().zip(supported) {
+                *sum += affinity * support;
             }
         }
         for (sum, &affinity) in below.iter_mut().zip(&affinities[m + 1..]) {
@@ -110,6 +119,14 @@ fn second_order(fcg: &DMatrix<f64>) -> DMatrix<f64> {
     }
     scg.fill_upper_triangle_with_lower_triangle();
     scg
+}
+
+/// Adds four columns of the length of `sums`, each times its factor, one after the other.
+fn add_four(sums: &mut [f64], [(a, x), (b, y), (c, z), (d, w)]: [(f64, &[f64]); 4]) {
+    let columns = x.iter().zip(y).zip(z.iter().zip(w));
+    for (sum, ((x, y), (z, w))) in sums.iter_mut().zip(columns) {
+        *sum = *sum + a * x + b * y + c * z + d * w;
+    }
 }
 
 /// Coordinates axis by axis: the loops over points become vector instructions.
