@@ -124,7 +124,7 @@ fn print_summary(registration: &Registration) {
         println!("{stage:<18} {:>7.1} ms", time.as_secs_f64() * 1e3);
     }
     let num_scans = registration.world_from_scan.len();
-    let largest = registration.components.members().iter().map(Vec::len).max();
+    let largest = registration.components.largest().len();
     println!("\nscans              {num_scans:>7}");
     println!(
         "pairs scored       {:>7}",
@@ -141,5 +141,5 @@ fn print_summary(registration: &Registration) {
         "components         {:>7}",
         registration.components.members().len()
     );
-    println!("largest component  {:>7} scans", largest.unwrap_or(0));
+    println!("largest component  {:>7} scans", largest);
 }

@@ -15,7 +15,8 @@ pub fn write_results(
     registration: &Registration,
 ) -> Result<usize, Box<dyn Error>> {
     fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let scans = largest_component(registration);
+    // One frame, one picture.
+    let scans = registration.components.largest();
     let moved = |&scan: &usize| {
         let world_from_scan = registration.world_from_scan[scan];
         let points = clouds[scan].iter();
@@ -30,11 +31,4 @@ pub fn write_results(
     let poses: Vec<_> = scans.iter().map(indexed).collect();
     write_poses_3x4(folder.join("poses.txt"), &poses)?;
     Ok(scans.len())
-}
-
-/// The scans of the largest component (the first of equal ones): one frame, one picture.
-fn largest_component(registration: &Registration) -> &[usize] {
-    let components = registration.components.members().iter();
-    let largest = components.rev().max_by_key(|scans| scans.len());
-    largest.map_or(&[], Vec::as_slice)
 }

@@ -39,6 +39,7 @@ pub fn notices(clouds: &[Cloud], registration: &Registration, params: &Params) -
         clouds,
         registration,
         params,
+        links: Links::of(registration),
     };
     let mut notices = view.scans_alone();
     notices.extend(view.other_frames());
@@ -48,17 +49,11 @@ pub fn notices(clouds: &[Cloud], registration: &Registration, params: &Params) -
     notices
 }
 
-/// The largest component, the first of equal ones.
-pub fn main_component(registration: &Registration) -> usize {
-    let members = registration.components.members().iter().enumerate();
-    let largest = members.rev().max_by_key(|(_, scans)| scans.len());
-    largest.map_or(0, |(label, _)| label)
-}
-
 struct View<'a> {
     clouds: &'a [Cloud],
     registration: &'a Registration,
     params: &'a Params,
+    links: Links<'a>,
 }
 
 impl View<'_> {
@@ -102,10 +97,10 @@ impl View<'_> {
     }
 
     fn other_frames(&self) -> Vec<Notice> {
-        let main = main_component(self.registration);
-        let members = self.registration.components.members().iter().enumerate();
-        let others = members.filter(|&(label, scans)| label != main && scans.len() > 1);
-        let notice = |(_, scans): (usize, &Vec<usize>)| Notice {
+        let components = &self.registration.components;
+        let members = components.members().iter();
+        let others = members.filter(|scans| scans.len() > 1 && *scans != components.largest());
+        let notice = |scans: &Vec<usize>| Notice {
             kind: NoticeKind::Frame,
             scans: scans.clone(),
             edge: None,
@@ -119,10 +114,11 @@ impl View<'_> {
 
     /// Parts of a frame that only distrusted edges join.
     fn loose_parts(&self) -> Vec<Notice> {
-        let links = Links::of(self.registration);
+        let parts = self.links.trusted_parts();
         let mut notices = Vec::new();
         for component in self.registration.components.members() {
-            let mut parts = links.trusted_parts(component);
+            let inside = |part: &&Vec<usize>| component.binary_search(&part[0]).is_ok();
+            let mut parts: Vec<_> = parts.members().iter().filter(inside).cloned().collect();
             if parts.len() < 2 {
                 continue;
             }
@@ -169,7 +165,7 @@ impl View<'_> {
         };
         let components = &self.registration.components;
         let size = |scan: usize| components.members()[components.label(scan)].len();
-        let mut bridges = Links::of(self.registration).bridges();
+        let mut bridges = self.links.bridges();
         bridges.retain(|bridge| size(bridge.part[0]) > 2);
         bridges.sort_by(|a, b| edge(a).inlier_ratio.total_cmp(&edge(b).inlier_ratio));
         bridges.into_iter().map(notice).collect()

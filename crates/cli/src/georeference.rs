@@ -18,24 +18,24 @@ pub struct FileFrames {
 
 impl FileFrames {
     pub fn of(registration: &Registration, clouds: &[Cloud]) -> Self {
-        let shifts: Vec<_> = clouds.iter().map(Cloud::file_from_points).collect();
         let poses = registration.world_from_scan.iter().enumerate();
         let world_from_scan = poses.map(|(scan, pose)| {
             let label = registration.components.label(scan);
             let reference = registration.components.members()[label][0];
-            moved(&shifts[reference], pose, &shifts[scan])
+            between_files(&clouds[reference], pose, &clouds[scan])
         });
         let edges = registration.graph.edges().iter();
         Self {
             world_from_scan: world_from_scan.collect(),
             i_from_j: edges
-                .map(|edge| moved(&shifts[edge.i], &edge.i_from_j, &shifts[edge.j]))
+                .map(|edge| between_files(&clouds[edge.i], &edge.i_from_j, &clouds[edge.j]))
                 .collect(),
         }
     }
 }
 
-/// `T_a M T_b⁻¹`; unshifted motions keep their bits.
-fn moved(a: &Isometry3<f64>, motion: &Isometry3<f64>, b: &Isometry3<f64>) -> Isometry3<f64> {
-    a * motion * b.inverse()
+/// A motion from the points of `b` to those of `a`, in the coordinates of their files: `T_a M T_b⁻¹`.
+/// Unshifted ones keep their bits.
+pub fn between_files(a: &Cloud, motion: &Isometry3<f64>, b: &Cloud) -> Isometry3<f64> {
+    a.file_from_points() * motion * b.file_from_points().inverse()
 }

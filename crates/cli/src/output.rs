@@ -11,7 +11,6 @@ use gmpcr_io::{
     write_merged_ply, write_open3d_pose_graph, write_poses_3x4, write_poses_tum, write_text,
 };
 
-use crate::attention::main_component;
 use crate::described::DescribedScans;
 use crate::georeference::FileFrames;
 use crate::links::Links;
@@ -118,7 +117,7 @@ impl Output<'_> {
 
     /// The scans of the largest component: one frame, one picture.
     fn scans(&self) -> &[usize] {
-        &self.registration.components.members()[main_component(self.registration)]
+        self.registration.components.largest()
     }
 
     fn indexed_poses(&self) -> Vec<(usize, gmpcr::nalgebra::Isometry3<f64>)> {

@@ -6,6 +6,7 @@
 /// let components = Components::new(5, [(0, 3), (3, 4)]);
 /// assert_eq!(components.members(), [vec![0, 3, 4], vec![1], vec![2]]);
 /// assert_eq!(components.label(4), 0);
+/// assert_eq!(components.largest(), [0, 3, 4]);
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Components {
@@ -46,6 +47,14 @@ impl Components {
     /// The nodes of each component, ascending.
     pub fn members(&self) -> &[Vec<usize>] {
         &self.members
+    }
+
+    /// The nodes of the largest component, ascending: the first of equal ones, nothing of no nodes.
+    pub fn largest(&self) -> &[usize] {
+        let members = self.members.iter().rev();
+        members
+            .max_by_key(|nodes| nodes.len())
+            .map_or(&[], Vec::as_slice)
     }
 
     /// The component of a node.

@@ -9,6 +9,7 @@ use serde_json::json;
 use crate::arguments::PairArguments;
 use crate::config::Config;
 use crate::described::DescribedScans;
+use crate::georeference::between_files;
 use crate::outcome::{Answer, Failure};
 use crate::progress::Progress;
 use crate::result::rows;
@@ -33,9 +34,7 @@ pub fn run(arguments: &PairArguments, progress: &Progress) -> Result<Answer, Fai
     };
     let pair = register_pair(target, source, &config.params(input.voxel.size))?;
     let pose = pair.estimate.pose.as_ref();
-    let motion = pose.map(|pose| {
-        cloud_i.file_from_points() * pose.target_from_source * cloud_j.file_from_points().inverse()
-    });
+    let motion = pose.map(|pose| between_files(cloud_i, &pose.target_from_source, cloud_j));
     let json = json!({
         "target": cloud_i.name,
         "source": cloud_j.name,

@@ -7,7 +7,7 @@ use gmpcr::{Registration, register_observed};
 use serde_json::json;
 
 use crate::arguments::RegisterArguments;
-use crate::attention::{NoticeKind, main_component, notices};
+use crate::attention::{Notice, NoticeKind, notices};
 use crate::config::Config;
 use crate::described::{DescribedScans, WorkingVoxel};
 use crate::georeference::FileFrames;
@@ -33,7 +33,6 @@ pub fn run(
     };
     check_number(&input)?;
     let params = config.params(input.voxel.size);
-    params.validate()?;
     let registration =
         register_observed(&input.scans, &params, progress).map_err(Failure::of_registration)?;
     let frames = FileFrames::of(&registration, &input.clouds);
@@ -131,7 +130,7 @@ fn summary(
 
 fn overview(registration: &Registration, input: &DescribedScans, result: &ResultFile) -> String {
     let components = registration.components.members();
-    let largest = components[main_component(registration)].len();
+    let largest = registration.components.largest().len();
     let WorkingVoxel { size, is_estimated } = input.voxel;
     let origin = if is_estimated {
         "estimated"
@@ -175,13 +174,14 @@ fn overview(registration: &Registration, input: &DescribedScans, result: &Result
     text
 }
 
+fn bridges(result: &ResultFile) -> impl Iterator<Item = &Notice> {
+    let notices = result.notices.iter();
+    notices.filter(|notice| notice.kind == NoticeKind::Bridge)
+}
+
 /// How many scans are where they are because of one edge, which nothing confirms.
 fn on_single_edges(result: &ResultFile) -> String {
-    let bridges = result
-        .notices
-        .iter()
-        .filter(|notice| notice.kind == NoticeKind::Bridge);
-    let mut scans: Vec<usize> = bridges
+    let mut scans: Vec<usize> = bridges(result)
         .flat_map(|notice| notice.scans.iter().copied())
         .collect();
     scans.sort_unstable();
@@ -216,15 +216,8 @@ fn edge_table(result: &ResultFile, positions: impl IntoIterator<Item = usize>) -
         "off by",
     ];
     // The result follows a single edge wherever it leads.
-    let is_bridge = |edge: &EdgeResult| {
-        let bridges = result
-            .notices
-            .iter()
-            .filter(|notice| notice.kind == NoticeKind::Bridge);
-        bridges
-            .into_iter()
-            .any(|notice| notice.edge == Some((edge.i, edge.j)))
-    };
+    let is_bridge =
+        |edge: &EdgeResult| bridges(result).any(|notice| notice.edge == Some((edge.i, edge.j)));
     let rows = positions.into_iter().map(|position| {
         let edge = &result.edges[position];
         let residual = edge.rotation_residual.zip(edge.translation_residual);

@@ -3,10 +3,10 @@
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write;
 
-use gmpcr::geometry::angular_distance;
 use gmpcr::nalgebra::Isometry3;
 use gmpcr::posegraph::{PoseEdge, PoseGraph};
 use gmpcr::sync::{SyncParams, Synchronization, synchronize};
+use gmpcr_eval::pose_error;
 use gmpcr_io::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
 use serde_json::{Value, json};
 
@@ -23,7 +23,7 @@ pub fn run(
     let named = |reason: String| Failure::of(&arguments.graph, reason);
     let mut file = read_g2o(&arguments.graph)?;
     let posed: BTreeSet<usize> = file.vertices.iter().map(|vertex| vertex.id).collect();
-    complete_vertices(&mut file);
+    complete_vertices(&mut file, &posed);
     let graph = pose_graph(&file).map_err(named)?;
     let params = SyncParams {
         iterations: arguments.iterations as usize,
@@ -94,14 +94,13 @@ pub fn run(
 }
 
 /// Adds the vertices that only edges name, and sorts all by their ids.
-fn complete_vertices(file: &mut G2o) {
-    let known: BTreeSet<usize> = file.vertices.iter().map(|vertex| vertex.id).collect();
+fn complete_vertices(file: &mut G2o, posed: &BTreeSet<usize>) {
     let named: BTreeSet<usize> = file
         .edges
         .iter()
         .flat_map(|edge| [edge.i, edge.j])
         .collect();
-    let missing = named.difference(&known).map(|&id| G2oVertex {
+    let missing = named.difference(posed).map(|&id| G2oVertex {
         id,
         world_from_vertex: Isometry3::identity(),
     });
@@ -170,11 +169,9 @@ impl Residuals {
         let (mut rotation, mut translation) = (Vec::new(), Vec::new());
         for edge in graph.edges() {
             let i_from_j = world_from_scan[edge.i].inv_mul(&world_from_scan[edge.j]);
-            let [a, b] =
-                [&edge.i_from_j, &i_from_j].map(|motion| motion.rotation.to_rotation_matrix());
-            rotation.push(angular_distance(&a, &b).to_degrees());
-            let offset = edge.i_from_j.translation.vector - i_from_j.translation.vector;
-            translation.push(offset.norm());
+            let error = pose_error(&edge.i_from_j, &i_from_j);
+            rotation.push(error.rotation_degrees());
+            translation.push(error.translation);
         }
         rotation.sort_by(f64::total_cmp);
         translation.sort_by(f64::total_cmp);
