@@ -4,10 +4,8 @@ use std::cmp::Ordering;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use nalgebra::Point3;
-
+use crate::Error;
 use crate::points::Format;
-use crate::{Descriptors, Error, read_descriptors, read_keypoints};
 
 pub(crate) const KEYPOINTS: &str = ".kpts.npy";
 pub(crate) const DESCRIPTORS: &str = ".desc.npy";
@@ -79,35 +77,6 @@ pub struct DescriptorFiles {
     pub keypoints: PathBuf,
     /// The n×d array, for [`read_descriptors`](crate::read_descriptors).
     pub descriptors: PathBuf,
-}
-
-impl DescriptorFiles {
-    /// Reads keypoints and descriptors: equally many, and all keypoints finite.
-    ///
-    /// # Errors
-    /// Those of [`read_keypoints`] and [`read_descriptors`], and [`Error::Malformed`] where numbers differ
-    /// or a keypoint is not finite.
-    pub fn read(&self) -> Result<(Vec<Point3<f64>>, Descriptors), Error> {
-        let keypoints = read_keypoints(&self.keypoints)?;
-        let descriptors = read_descriptors(&self.descriptors)?;
-        let num_rows = descriptors.values.len() / descriptors.dimension;
-        if num_rows != keypoints.len() {
-            let reason = format!(
-                "{num_rows} descriptors, but {} holds {} keypoints",
-                self.keypoints.display(),
-                keypoints.len()
-            );
-            return Err(Error::malformed(&self.descriptors, reason));
-        }
-        let is_finite = |keypoint: &Point3<f64>| keypoint.iter().all(|x| x.is_finite());
-        match keypoints.iter().position(|keypoint| !is_finite(keypoint)) {
-            None => Ok((keypoints, descriptors)),
-            Some(row) => {
-                let reason = format!("the keypoint in row {row} is not finite");
-                Err(Error::malformed(&self.keypoints, reason))
-            }
-        }
-    }
 }
 
 /// The pairs `<name>.kpts.npy`, `<name>.desc.npy` of a folder in natural order of their names.

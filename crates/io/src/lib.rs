@@ -56,6 +56,7 @@ mod atomic;
 mod benchmark;
 mod bytes;
 mod dataset;
+mod descriptors;
 #[cfg(feature = "e57")]
 mod e57;
 mod error;
@@ -85,6 +86,7 @@ pub use dataset::{
     Layout, PairList, PairOverlap, Scene, SceneScan, SceneTruth, read_overlaps, read_scene,
     scene_folders,
 };
+pub use descriptors::{Descriptors, read_descriptors, read_keypoints};
 #[cfg(feature = "e57")]
 pub use e57::{E57Scan, read_e57};
 pub use error::Error;
@@ -93,7 +95,7 @@ pub use g2o::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
 #[cfg(feature = "las")]
 pub use las::read_las;
 pub use merged::{Coordinates, distinct_color, write_merged_ply};
-pub use npy::{Descriptors, NpyMatrix, read_descriptors, read_keypoints, read_npy_matrix};
+pub use npy::{NpyMatrix, read_npy_matrix};
 pub use pcd::read_pcd;
 pub use ply::read_ply;
 pub use points::{PointFile, read_points};

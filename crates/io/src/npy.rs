@@ -3,7 +3,6 @@
 use std::io::Read;
 use std::path::Path;
 
-use nalgebra::Point3;
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
 use crate::bytes::Source;
@@ -18,15 +17,6 @@ pub struct NpyMatrix {
     pub columns: usize,
     /// The entries: that of row `r` and column `c` is `values[r * columns + c]`.
     pub values: Vec<f64>,
-}
-
-/// Descriptors of equal length, one after another.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Descriptors {
-    /// How many numbers a descriptor has; at least one.
-    pub dimension: usize,
-    /// The numbers: descriptor `k` is `values[k * dimension..(k + 1) * dimension]`.
-    pub values: Vec<f32>,
 }
 
 /// Reads a two-dimensional `.npy` array of `float32` or `float64`.
@@ -276,94 +266,10 @@ fn by_rows(by_columns: &[f64], rows: usize, columns: usize) -> Vec<f64> {
     places.map(|place| by_columns[place]).collect()
 }
 
-/// Reads keypoints from an n×3 `.npy` array of `float32` or `float64`, a point per row.
-///
-/// All rows are kept, also those that are not finite, since row `k` belongs to row `k` of the
-/// descriptors.
-///
-/// # Errors
-/// As for [`read_npy_matrix`], and [`Error::Malformed`] if there are not three columns.
-///
-/// # Example
-/// ```
-/// use gmpcr_io::read_keypoints;
-/// use npyz::WriterBuilder;
-///
-/// let folder = tempfile::tempdir()?;
-/// let path = folder.path().join("0.kpts.npy");
-/// let mut file = npyz::WriteOptions::new()
-///     .default_dtype()
-///     .shape(&[2, 3])
-///     .writer(std::fs::File::create(&path)?)
-///     .begin_nd()?;
-/// file.extend([1.0f32, 2.0, 3.0, 4.0, 5.0, 6.0])?;
-/// file.finish()?;
-///
-/// assert_eq!(read_keypoints(&path)?, [[1.0, 2.0, 3.0].into(), [4.0, 5.0, 6.0].into()]);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read_keypoints(path: impl AsRef<Path>) -> Result<Vec<Point3<f64>>, Error> {
-    let path = path.as_ref();
-    let matrix = read_npy_matrix(path)?;
-    if matrix.columns != 3 {
-        let (rows, columns) = (matrix.rows, matrix.columns);
-        let reason = format!("keypoints are n x 3, but the array is {rows} x {columns}");
-        return Err(Error::malformed(path, reason));
-    }
-    let points = matrix.values.chunks_exact(3);
-    Ok(points.map(Point3::from_slice).collect())
-}
-
-/// Reads descriptors from an n×d `.npy` array of `float32` or `float64`, a descriptor per row.
-///
-/// Wider numbers are rounded to `f32`. All rows are kept, also those that are not finite, since row
-/// `k` belongs to row `k` of the keypoints.
-///
-/// # Errors
-/// As for [`read_npy_matrix`], and [`Error::Malformed`] if there are no columns.
-///
-/// # Example
-/// ```
-/// use gmpcr_io::read_descriptors;
-/// use npyz::WriterBuilder;
-///
-/// let folder = tempfile::tempdir()?;
-/// let path = folder.path().join("0.desc.npy");
-/// let mut file = npyz::WriteOptions::new()
-///     .default_dtype()
-///     .shape(&[3, 2])
-///     .writer(std::fs::File::create(&path)?)
-///     .begin_nd()?;
-/// file.extend([0.0f32, 1.0, 0.6, 0.8, 1.0, 0.0])?;
-/// file.finish()?;
-///
-/// let descriptors = read_descriptors(&path)?;
-/// assert_eq!(descriptors.dimension, 2);
-/// assert_eq!(descriptors.values[2..4], [0.6, 0.8]);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read_descriptors(path: impl AsRef<Path>) -> Result<Descriptors, Error> {
-    let path = path.as_ref();
-    let matrix = read_npy_matrix(path)?;
-    if matrix.columns == 0 {
-        return Err(Error::malformed(
-            path,
-            "descriptors need columns, but the array is 0 x 0",
-        ));
-    }
-    Ok(Descriptors {
-        dimension: matrix.columns,
-        values: matrix
-            .values
-            .into_iter()
-            .map(|value| value as f32)
-            .collect(),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{read_descriptors, read_keypoints};
     use std::fs;
 
     fn npy(header: &str, entries: &[u8]) -> Vec<u8> {
