@@ -1,8 +1,9 @@
 //! Every stage at the paper's sizes and at growing ones, on made data, with its throughput.
 //!
 //! ```text
-//! cargo bench --bench sizes                  # all of it: about a quarter of an hour
+//! cargo bench --bench sizes -- --quick       # all of it: about eight minutes
 //! cargo bench --bench sizes -- matching      # one stage
+//! cargo bench --bench sizes                  # with more samples: most of an hour, for 50 000 poses
 //! ```
 
 #![allow(clippy::unwrap_used, missing_docs)]

@@ -19,7 +19,7 @@ use gmpcr::correspondence::{
 use gmpcr::features::{FeatureParams, describe};
 use gmpcr::sync::synchronize;
 use gmpcr::{Descriptors, Params, Scan, describe_clouds, register};
-use gmpcr_io::{descriptor_files, read_descriptors, read_keypoints};
+use gmpcr_io::descriptor_files;
 use gmpcr_sim::{SimParams, simulate};
 
 /// Learned descriptors of a real scene, or FPFH of simulated scans.
@@ -36,9 +36,9 @@ fn scans() -> (String, Vec<Scan>) {
         return ("simulated".into(), scans);
     };
     let scan = |files: &gmpcr_io::DescriptorFiles| {
-        let read = read_descriptors(&files.descriptors).unwrap();
+        let (points, read) = files.read().unwrap();
         let descriptors = Descriptors::new(read.values, read.dimension).unwrap();
-        Scan::new(read_keypoints(&files.keypoints).unwrap(), descriptors).unwrap()
+        Scan::new(points, descriptors).unwrap()
     };
     ("redkitchen".into(), files.iter().map(scan).collect())
 }

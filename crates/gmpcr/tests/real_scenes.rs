@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use gmpcr::correspondence::farthest_point_sampling;
 use gmpcr::nalgebra::{Isometry3, Matrix3x4};
 use gmpcr::{Descriptors, Params, Registration, Scan, register};
-use gmpcr_io::{descriptor_files, read_descriptors, read_keypoints};
+use gmpcr_io::descriptor_files;
 use serde_json::Value;
 
 fn data() -> Option<PathBuf> {
@@ -25,9 +25,8 @@ fn data() -> Option<PathBuf> {
 fn learned_scans(folder: &Path) -> Vec<Scan> {
     let files = descriptor_files(folder).unwrap();
     let scans = files.iter().map(|files| {
-        let points = read_keypoints(&files.keypoints).unwrap();
-        let descriptors = read_descriptors(&files.descriptors).unwrap();
-        let descriptors = Descriptors::new(descriptors.values, descriptors.dimension).unwrap();
+        let (points, read) = files.read().unwrap();
+        let descriptors = Descriptors::new(read.values, read.dimension).unwrap();
         Scan::new(points, descriptors).unwrap()
     });
     scans.collect()
