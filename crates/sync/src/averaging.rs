@@ -53,8 +53,8 @@ pub fn average_rotations(graph: &PoseGraph, weights: &[f64]) -> AveragedRotation
 /// analysed once, and each search starts from the eigenvectors of the last.
 pub(crate) struct RotationAverager<'a> {
     laplacian: ConnectionLaplacian<'a>,
-    /// Approximate eigenvectors.
-    start: DMatrix<f64>,
+    /// Of the last weights.
+    eigenspace: Eigenspace,
 }
 
 impl<'a> RotationAverager<'a> {
@@ -64,19 +64,17 @@ impl<'a> RotationAverager<'a> {
         let entry = |row: usize, column: usize| rotations[row / 3].matrix()[(column, row % 3)];
         Self {
             laplacian: ConnectionLaplacian::new(graph),
-            start: DMatrix::from_fn(3 * graph.num_nodes, 3, entry),
+            eigenspace: Eigenspace::guess(DMatrix::from_fn(3 * graph.num_nodes, 3, entry)),
         }
     }
 
     pub fn solve(&mut self, weights: &[f64]) -> AveragedRotations {
         self.laplacian.set_weights(&relative(weights));
-        let Eigenspace { vectors, residual } =
-            smallest_eigenvectors(&mut self.laplacian, 3, &self.start);
-        let (world_from_scan, weakest_block) = project_blocks(&vectors);
-        self.start = vectors;
+        self.eigenspace = smallest_eigenvectors(&mut self.laplacian, 3, &self.eigenspace);
+        let (world_from_scan, weakest_block) = project_blocks(&self.eigenspace.vectors);
         AveragedRotations {
             world_from_scan,
-            eigen_residual: residual,
+            eigen_residual: self.eigenspace.residual,
             weakest_block,
         }
     }

@@ -18,35 +18,44 @@ pub(crate) struct SparseCholesky {
     scratch: MemBuffer,
 }
 
-/// The matrix is not positive definite in floating point.
+/// The matrix is not positive definite in floating point, or its factor would fill up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct NotPositiveDefinite;
+pub(crate) struct Unfactorable;
 
 /// Right-hand sides that are ever solved for at once.
 const MAX_COLUMNS: usize = 8;
+/// Numbers of the factor for each of the matrix, at most. Graphs of scans that are joined with their
+/// neighbours in space reach 10 with hundreds of scans and 30 with ten thousands; in graphs joined at random
+/// the factor fills up.
+const MAX_FILL: usize = 128;
 
 impl SparseCholesky {
-    /// Analyses the pattern of a lower triangle, given by compressed columns with ascending rows.
+    /// Analyses the pattern of a lower triangle, given by compressed columns with ascending rows. `None`
+    /// where the factor would have more than 128 times as many numbers, so that memory stays linear.
     ///
     /// # Panics
     /// If the columns are inconsistent: the callers build them from validated graphs.
-    pub fn new(size: usize, column_starts: Vec<usize>, rows: Vec<usize>) -> Self {
+    pub fn new(size: usize, column_starts: Vec<usize>, rows: Vec<usize>) -> Option<Self> {
+        let max_factor_len = MAX_FILL * rows.len();
         let pattern = SymbolicSparseColMat::new_checked(size, size, column_starts, None, rows);
         let (order, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
         let symbolic = factorize_symbolic_cholesky(pattern.as_ref(), Side::Lower, order, params)
             .expect("only a failing allocation stops the symbolic analysis");
+        if symbolic.len_val() > max_factor_len {
+            return None;
+        }
         let factorize = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let solve = symbolic.solve_in_place_scratch::<f64>(MAX_COLUMNS, Par::Seq);
-        Self {
+        Some(Self {
             pattern,
             factor: vec![0.0; symbolic.len_val()],
             scratch: MemBuffer::new(StackReq::any_of(&[factorize, solve])),
             symbolic,
-        }
+        })
     }
 
     /// Factors the matrix with these values, in the order of the pattern.
-    pub fn factorize(&mut self, values: &[f64]) -> Result<(), NotPositiveDefinite> {
+    pub fn factorize(&mut self, values: &[f64]) -> Result<(), Unfactorable> {
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), values);
         let (stack, par) = (MemStack::new(&mut self.scratch), Par::Seq);
         let (regularization, params) = (LltRegularization::default(), Default::default());
@@ -61,7 +70,7 @@ impl SparseCholesky {
                 params,
             )
             .map(|_| ())
-            .map_err(|_| NotPositiveDefinite)
+            .map_err(|_| Unfactorable)
     }
 
     /// Numbers stored in the factor, zeros of the fill among them.
@@ -104,7 +113,7 @@ mod tests {
             }
             starts.push(rows.len());
         }
-        (SparseCholesky::new(size, starts, rows), values)
+        (SparseCholesky::new(size, starts, rows).unwrap(), values)
     }
 
     #[test]
@@ -126,8 +135,32 @@ mod tests {
     }
 
     #[test]
+    fn a_factor_that_fills_up_is_refused() {
+        let size = 5000;
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % size
+        };
+        let mut below = vec![std::collections::BTreeSet::new(); size];
+        for _ in 0..5 * size {
+            let (a, b) = (random(), random());
+            below[a.min(b)].insert(a.max(b));
+        }
+        let (mut starts, mut rows) = (vec![0], Vec::new());
+        for (column, others) in below.iter_mut().enumerate() {
+            others.insert(column);
+            rows.extend(&*others);
+            starts.push(rows.len());
+        }
+        assert!(SparseCholesky::new(size, starts, rows).is_none());
+    }
+
+    #[test]
     fn an_indefinite_matrix_is_refused() {
         let (mut cholesky, values) = tridiagonal(4, 1.0);
-        assert_eq!(cholesky.factorize(&values), Err(NotPositiveDefinite));
+        assert_eq!(cholesky.factorize(&values), Err(Unfactorable));
     }
 }

@@ -1,6 +1,6 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::cholesky::NotPositiveDefinite;
+use crate::cholesky::Unfactorable;
 
 /// A sparse positive semidefinite matrix `A` whose smallest eigenvectors are sought.
 pub(crate) trait SemidefiniteMatrix {
@@ -10,9 +10,9 @@ pub(crate) trait SemidefiniteMatrix {
     fn scale(&self) -> f64;
     /// `A X`.
     fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64>;
-    /// Factors `A − shift I`. It fails, without harm, where the shift is above the smallest
-    /// eigenvalue.
-    fn factorize(&mut self, shift: f64) -> Result<(), NotPositiveDefinite>;
+    /// Factors `A − shift I`. It fails, without harm, where the shift is above the smallest eigenvalue or
+    /// the factor would fill up.
+    fn factorize(&mut self, shift: f64) -> Result<(), Unfactorable>;
     /// Replaces `X` by `(A − shift I)⁻¹ X` with the shift last factored.
     fn solve_in_place(&mut self, x: &mut DMatrix<f64>);
     /// The full matrix.
@@ -27,72 +27,222 @@ pub(crate) struct Eigenspace {
     pub vectors: DMatrix<f64>,
     /// Largest norm of `A x − λ x` over the wanted ones, in units of the matrix's scale.
     pub residual: f64,
+    /// The shift that it was found with, in units of the matrix's scale.
+    pub shift: f64,
+}
+
+impl Eigenspace {
+    /// Vectors to start from when nothing else is known.
+    pub fn guess(vectors: DMatrix<f64>) -> Self {
+        Self {
+            vectors,
+            residual: f64::INFINITY,
+            shift: LOWEST_SHIFT,
+        }
+    }
 }
 
 /// Further vectors iterated along: `k` wanted ones converge at the rate of `λ_k / λ_{k+4}`.
 const GUARD: usize = 3;
+/// Error of each row of the wanted vectors, relative to that row, at which the search stops: weak parts of a
+/// graph have rows that are smaller than others by many decades, and rotations all the same.
+const TOLERANCE: f64 = 1e-8;
 /// Residual, in units of the scale, at which the search stops once it no longer falls fast.
-/// The error of a vector is the residual over the gap to the next eigenvalue, which may be small.
-const TOLERANCE: f64 = 1e-13;
-/// A solve that leaves more than this share of the residual gains nothing any more.
+const SMALL_RESIDUAL: f64 = 1e-13;
+/// A filter that leaves more than this share of the residual gains nothing any more.
 const STALL: f64 = 0.25;
 /// A residual that rounding keeps above the tolerance is as good as it gets below this.
 const ACCEPTABLE: f64 = 1e-11;
-/// Block solves before the search gives up.
-const MAX_SOLVES: usize = 60;
-/// Block solves that must halve the residual, or the search gives up as well: so many eigenvalues
-/// nearly coincide that it would take hundreds.
-const PATIENCE: usize = 10;
-/// Block solves between attempts to move the shift closer to the eigenvalues.
-const SOLVES_PER_SHIFT: usize = 3;
+/// Filters that must halve the residual, or the search gives up: so many eigenvalues nearly coincide
+/// that it would take hundreds.
+const PATIENCE: usize = 4;
+/// Filters before the search gives up in any case.
+const MAX_FILTERS: usize = 24;
+/// Degree of a filter, at most: solves or products between two projections.
+const MAX_SOLVES: usize = 4;
+const MAX_PRODUCTS: usize = 60;
+/// Natural logarithm by which a filter may part wanted vectors from each other, so that they stay
+/// independent in floating point.
+const MAX_SPREAD: f64 = 23.0;
+/// Distance of a shift from the smallest value, as a share of the spread of the block, that keeps the
+/// system well conditioned.
+const MARGIN: f64 = 0.03;
+/// Solves that take as long as a factorisation.
+const SOLVES_PER_FACTOR: f64 = 6.0;
+/// A shift that is below all eigenvalues, in units of the scale.
+const LOWEST_SHIFT: f64 = -1e-5;
 /// Up to this many rows a full decomposition is affordable where the search gives up.
 const DENSE_LIMIT: usize = 600;
 /// Steps of the full decomposition; a few per row are usual.
 const MAX_QR_STEPS: usize = 100 * DENSE_LIMIT;
 
-/// Finds the `wanted` smallest eigenvectors by block inverse iteration with Rayleigh–Ritz projection,
-/// starting from the first columns of `start`.
+/// Finds the `wanted` smallest eigenvectors by Chebyshev-filtered subspace iteration with
+/// Rayleigh–Ritz projection, starting from the first columns of `start`.
 ///
-/// The block keeps a multiple eigenvalue (noise-free rotations have λ = 0 three times) from being
-/// missed, as single-vector Krylov methods may. The shift moves up behind the smallest Ritz value as
-/// long as the Cholesky factorisation succeeds, which is an inertia check for free. Where the
-/// iteration stalls (eigenvalues that nearly coincide) and the matrix is small, a full
-/// decomposition takes over; a large one is returned as it stands, with its residual.
+/// The filter is a polynomial of the inverse of the shifted matrix, or of the matrix itself where it
+/// cannot be factored. The block keeps a multiple eigenvalue (noise-free rotations have λ = 0 three times)
+/// from being missed, as single-vector Krylov methods may. Where the iteration stalls (eigenvalues
+/// that nearly coincide) and the matrix is small, a full decomposition takes over; a large one is
+/// returned as it stands, with its residual.
 pub(crate) fn smallest_eigenvectors(
     matrix: &mut impl SemidefiniteMatrix,
     wanted: usize,
-    start: &DMatrix<f64>,
+    start: &Eigenspace,
 ) -> Eigenspace {
     let scale = matrix.scale();
     let block = (wanted + GUARD).min(matrix.size());
-    let mut ritz = rayleigh_ritz(matrix, wanted, padded(start, block));
-    let mut shift = -1e-5 * scale;
-    if matrix.factorize(shift).is_err() {
-        return ritz.into_eigenspace(scale);
-    }
-    let (mut last_residual, mut long_ago) = (f64::INFINITY, f64::INFINITY);
-    for solves in 1..=MAX_SOLVES {
-        matrix.solve_in_place(&mut ritz.vectors);
-        ritz = rayleigh_ritz(matrix, wanted, ritz.vectors);
-        let residual = ritz.residual();
-        if residual <= TOLERANCE * scale && residual >= STALL * last_residual {
-            return ritz.into_eigenspace(scale);
+    let mut ritz = rayleigh_ritz(matrix, wanted, padded(&start.vectors, block));
+    let mut filter = Filter::new(matrix, start.shift);
+    let (mut error, mut milestone) = (1.0, f64::INFINITY);
+    let max_filters = if scale > 0.0 { MAX_FILTERS } else { 0 };
+    for filters in 1..=max_filters {
+        let (before, residual_before) = (ritz.vectors.clone(), ritz.residual());
+        let degree = filter.degree(&ritz, error);
+        let filtered = filter.apply(matrix, &ritz, degree);
+        ritz = rayleigh_ritz(matrix, wanted, filtered);
+        // What the filter changed is the error there was.
+        let decay = ritz.residual() / residual_before.max(f64::MIN_POSITIVE);
+        error = ritz.change_since(&before).min(1.0) * decay;
+        let residual = ritz.residual() / scale;
+        let is_converged = error <= TOLERANCE && residual <= ACCEPTABLE;
+        if is_converged || residual <= SMALL_RESIDUAL && decay >= STALL {
+            return ritz.into_eigenspace(scale, filter.shift());
         }
-        last_residual = residual;
-        if solves % PATIENCE == 0 {
-            if residual > 0.5 * long_ago {
+        if filters % PATIENCE == 0 {
+            if ritz.residual() > 0.5 * milestone {
                 break;
             }
-            long_ago = residual;
+            milestone = ritz.residual();
         }
-        if solves % SOLVES_PER_SHIFT == 0 {
-            shift = closer_shift(matrix, &ritz, shift);
-        }
+        filter.move_closer(matrix, &ritz, error);
     }
     if ritz.residual() > ACCEPTABLE * scale && matrix.size() <= DENSE_LIMIT {
-        return dense_eigenvectors(matrix, wanted).unwrap_or_else(|| ritz.into_eigenspace(scale));
+        if let Some(exact) = dense_eigenvectors(matrix, wanted) {
+            return exact;
+        }
     }
-    ritz.into_eigenspace(scale)
+    ritz.into_eigenspace(scale, filter.shift())
+}
+
+/// A Chebyshev polynomial `T_d` of a matrix, mapped so that the eigenvalues beyond the block are in
+/// [−1, 1], where `T_d` stays small, and the wanted ones above, where it grows fastest.
+enum Filter {
+    /// Of the inverse of the matrix minus this shift.
+    Inverse {
+        shift: f64,
+        /// A shift that turned out to be above the smallest eigenvalue.
+        too_high: f64,
+    },
+    /// Of the matrix itself, whose eigenvalues are at most this.
+    Direct { largest: f64 },
+}
+
+impl Filter {
+    /// With the shift that the last search ended with, if it is still below all eigenvalues, or else with
+    /// one that certainly is.
+    fn new(matrix: &mut impl SemidefiniteMatrix, last_shift: f64) -> Self {
+        let scale = matrix.scale();
+        let mut too_high = f64::INFINITY;
+        for shift in [last_shift * scale, LOWEST_SHIFT * scale] {
+            if matrix.factorize(shift).is_ok() {
+                return Self::Inverse { shift, too_high };
+            }
+            too_high = shift;
+        }
+        Self::Direct {
+            largest: 2.0 * scale,
+        }
+    }
+
+    fn shift(&self) -> f64 {
+        match self {
+            Self::Inverse { shift, .. } => *shift,
+            Self::Direct { .. } => 0.0,
+        }
+    }
+
+    /// Where an eigenvalue is mapped to.
+    fn place(&self, ritz: &Ritz, value: f64) -> f64 {
+        match self {
+            Self::Inverse { shift, .. } => 2.0 * (ritz.last() - shift) / (value - shift) - 1.0,
+            Self::Direct { largest } => 1.0 + 2.0 * (ritz.last() - value) / (largest - ritz.last()),
+        }
+    }
+
+    /// Natural logarithm by which the eigenvectors of a value grow with each degree.
+    fn growth(&self, ritz: &Ritz, value: f64) -> f64 {
+        self.place(ritz, value).acosh().max(1e-3)
+    }
+
+    /// The degree that takes this error to the tolerance, or as much of the way as keeps the vectors
+    /// independent.
+    fn degree(&self, ritz: &Ritz, error: f64) -> usize {
+        let needed = (error / TOLERANCE).ln() / self.growth(ritz, ritz.last_wanted());
+        let independent = MAX_SPREAD / self.growth(ritz, ritz.values[0]);
+        let max_degree = match self {
+            Self::Inverse { .. } => MAX_SOLVES,
+            Self::Direct { .. } => MAX_PRODUCTS,
+        };
+        (needed.ceil().min(independent) as usize).clamp(1, max_degree)
+    }
+
+    /// `T_d` of the mapped matrix times the Ritz vectors, by the three-term recurrence.
+    fn apply(
+        &self,
+        matrix: &mut impl SemidefiniteMatrix,
+        ritz: &Ritz,
+        degree: usize,
+    ) -> DMatrix<f64> {
+        let mut mapped = |x: &DMatrix<f64>| match self {
+            Self::Inverse { shift, .. } => {
+                let mut y = x * (2.0 * (ritz.last() - shift));
+                matrix.solve_in_place(&mut y);
+                y - x
+            }
+            Self::Direct { largest } => {
+                let width = largest - ritz.last();
+                x * ((largest + ritz.last()) / width) - matrix.multiply(x) * (2.0 / width)
+            }
+        };
+        let mut before = ritz.vectors.clone();
+        let mut now = mapped(&before);
+        for _ in 1..degree {
+            let next = mapped(&now) * 2.0 - &before;
+            before = std::mem::replace(&mut now, next);
+        }
+        now
+    }
+
+    /// Moves the shift up behind the smallest eigenvalue, where that saves more solves than a
+    /// factorisation costs. That the factorisation succeeds proves that the shift is below.
+    ///
+    /// The smallest eigenvalue is at least `θ₁ − ‖A x₁ − θ₁ x₁‖` once the iteration has found it.
+    fn move_closer(&mut self, matrix: &mut impl SemidefiniteMatrix, ritz: &Ritz, error: f64) {
+        let Self::Inverse { shift, too_high } = *self else {
+            return;
+        };
+        let spread = ritz.last() - ritz.values[0];
+        let distance = (MARGIN * spread).max(2.0 * ritz.residuals.column(0).norm());
+        let closer = Self::Inverse {
+            shift: ritz.values[0] - distance,
+            too_high,
+        };
+        let solves =
+            |filter: &Self| (error / TOLERANCE).ln() / filter.growth(ritz, ritz.last_wanted());
+        let is_allowed = closer.shift() > shift && closer.shift() < too_high;
+        if is_allowed && solves(self) - solves(&closer) > SOLVES_PER_FACTOR {
+            if matrix.factorize(closer.shift()).is_ok() {
+                *self = closer;
+            } else {
+                // The current shift was factored before, so it can be again.
+                let _ = matrix.factorize(shift);
+                *self = Self::Inverse {
+                    shift,
+                    too_high: closer.shift(),
+                };
+            }
+        }
+    }
 }
 
 /// The best approximation of the eigenvectors within a subspace.
@@ -106,14 +256,40 @@ struct Ritz {
 
 impl Ritz {
     fn residual(&self) -> f64 {
-        let wanted = 0..self.wanted.min(self.values.len());
-        wanted
+        (0..self.num_wanted())
             .map(|k| self.residuals.column(k).norm())
             .fold(0.0, f64::max)
     }
 
-    fn into_eigenspace(self, scale: f64) -> Eigenspace {
+    /// The largest value of the block.
+    fn last(&self) -> f64 {
+        self.values[self.values.len() - 1]
+    }
+
+    fn num_wanted(&self) -> usize {
+        self.wanted.min(self.values.len())
+    }
+
+    fn last_wanted(&self) -> f64 {
+        self.values[self.num_wanted() - 1]
+    }
+
+    /// The largest change of a row of the wanted vectors, relative to the row, apart from a change of
+    /// their basis.
+    fn change_since(&self, before: &DMatrix<f64>) -> f64 {
+        let (now, before) = (
+            self.vectors.columns(0, self.num_wanted()),
+            before.columns(0, self.num_wanted()),
+        );
+        let moved = &now - before * before.tr_mul(&now);
+        let rows = moved.row_iter().zip(now.row_iter());
+        let squares = rows.map(|(moved, now)| moved.norm_squared() / now.norm_squared());
+        squares.fold(0.0, f64::max).sqrt()
+    }
+
+    fn into_eigenspace(self, scale: f64, shift: f64) -> Eigenspace {
         Eigenspace {
+            shift: if scale > 0.0 { shift / scale } else { shift },
             residual: if scale > 0.0 {
                 self.residual() / scale
             } else {
@@ -150,27 +326,6 @@ fn rayleigh_ritz(matrix: &impl SemidefiniteMatrix, wanted: usize, mut basis: DMa
     }
 }
 
-/// Tries to move the shift up behind the smallest eigenvalue; returns the shift that is factored.
-///
-/// The smallest eigenvalue is at least `θ₁ − ‖A x₁ − θ₁ x₁‖` once the iteration has found it. A tenth
-/// of the spread of the block is kept as a distance, so that the system stays well conditioned.
-fn closer_shift(matrix: &mut impl SemidefiniteMatrix, ritz: &Ritz, current: f64) -> f64 {
-    let (first, last) = (ritz.values[0], ritz.values[ritz.values.len() - 1]);
-    let distance = (0.1 * (last - first)).max(2.0 * ritz.residuals.column(0).norm());
-    let closer = first - distance;
-    if closer <= 0.5 * current || closer - current <= 0.5 * (first - current) {
-        return current;
-    }
-    match matrix.factorize(closer) {
-        Ok(()) => closer,
-        Err(_) => {
-            // The current shift was factored before, so it can be again.
-            let _ = matrix.factorize(current);
-            current
-        }
-    }
-}
-
 /// The eigenvectors by the full decomposition; `None` where it does not converge.
 fn dense_eigenvectors(matrix: &impl SemidefiniteMatrix, wanted: usize) -> Option<Eigenspace> {
     let eigen = SymmetricEigen::try_new(matrix.to_dense(), f64::EPSILON, MAX_QR_STEPS)?;
@@ -178,7 +333,7 @@ fn dense_eigenvectors(matrix: &impl SemidefiniteMatrix, wanted: usize) -> Option
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
     order.truncate(wanted + GUARD);
     let vectors = eigen.eigenvectors.select_columns(&order);
-    Some(rayleigh_ritz(matrix, wanted, vectors).into_eigenspace(matrix.scale()))
+    Some(rayleigh_ritz(matrix, wanted, vectors).into_eigenspace(matrix.scale(), 0.0))
 }
 
 /// `start` with columns cut or added to make `columns` of them.
@@ -280,7 +435,7 @@ mod tests {
             let graph = graph(num_nodes, noise);
             let mut laplacian = ConnectionLaplacian::new(&graph);
             laplacian.set_weights(&vec![0.7; graph.measurements.len()]);
-            let start = DMatrix::from_element(3 * num_nodes, 1, 1.0);
+            let start = Eigenspace::guess(DMatrix::from_element(3 * num_nodes, 1, 1.0));
             let found = smallest_eigenvectors(&mut laplacian, 3, &start);
             let dense = dense_eigenvectors(&laplacian, 3).unwrap();
             assert!(
@@ -299,7 +454,8 @@ mod tests {
     fn zero_weights_give_some_orthonormal_vectors() {
         let graph = graph(5, 0.0);
         let mut laplacian = ConnectionLaplacian::new(&graph);
-        let found = smallest_eigenvectors(&mut laplacian, 3, &DMatrix::zeros(15, 3));
+        let found =
+            smallest_eigenvectors(&mut laplacian, 3, &Eigenspace::guess(DMatrix::zeros(15, 3)));
         let gram = found.vectors.tr_mul(&found.vectors);
         assert!((gram - DMatrix::identity(6, 6)).norm() < 1e-12);
     }

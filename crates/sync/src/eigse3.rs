@@ -4,7 +4,7 @@ use gmpcr_geometry::isometry;
 use nalgebra::{DMatrix, Isometry3, Matrix4, Vector3, Vector4};
 
 use crate::averaging::nearest_rotations;
-use crate::cholesky::{NotPositiveDefinite, SparseCholesky};
+use crate::cholesky::{SparseCholesky, Unfactorable};
 use crate::eigenspace::{Eigenspace, SemidefiniteMatrix, smallest_eigenvectors};
 use crate::method::Solution;
 use crate::subgraph::{Measurement, Subgraph, relative};
@@ -20,7 +20,10 @@ pub(crate) fn synchronize(graph: &Subgraph, initial_weights: Vec<f64>) -> Soluti
     let length = spread(&along_tree);
     let mut matrix = MotionMatrix::new(graph, &weights, length);
     let start = stacked_motions(&along_tree, length);
-    let Eigenspace { vectors, residual } = smallest_eigenvectors(&mut matrix, WANTED, &start);
+    let start = Eigenspace::guess(start);
+    let Eigenspace {
+        vectors, residual, ..
+    } = smallest_eigenvectors(&mut matrix, WANTED, &start);
     let (node_from_world, weakest_block) = motions(&vectors.columns(0, WANTED).into_owned());
     let poses = poses_from(node_from_world, length);
     Solution {
@@ -69,7 +72,8 @@ fn stacked_motions(poses: &[Isometry3<f64>], length: f64) -> DMatrix<f64> {
 struct MotionMatrix {
     num_nodes: usize,
     arcs: Vec<Arc>,
-    cholesky: SparseCholesky,
+    /// `None` where the factor would fill up.
+    cholesky: Option<SparseCholesky>,
     /// Position of the diagonal entry of each scalar column among the values.
     column_starts: Vec<usize>,
     values: Vec<f64>,
@@ -192,21 +196,24 @@ impl SemidefiniteMatrix for MotionMatrix {
         self.transposed_differences(&self.differences(x))
     }
 
-    fn factorize(&mut self, shift: f64) -> Result<(), NotPositiveDefinite> {
+    fn factorize(&mut self, shift: f64) -> Result<(), Unfactorable> {
         let mut values = self.values.clone();
         for &start in &self.column_starts[..self.size()] {
             values[start] -= shift;
         }
         self.shift = shift;
-        self.cholesky.factorize(&values)
+        let cholesky = self.cholesky.as_mut().ok_or(Unfactorable)?;
+        cholesky.factorize(&values)
     }
 
     /// One step of refinement makes up for what the squared condition costs.
     fn solve_in_place(&mut self, x: &mut DMatrix<f64>) {
         let right = x.clone();
-        self.cholesky.solve_in_place(x);
+        let cholesky = self.cholesky.as_mut().expect("the matrix was factored");
+        cholesky.solve_in_place(x);
         let mut rest = right - self.multiply(x) + &*x * self.shift;
-        self.cholesky.solve_in_place(&mut rest);
+        let cholesky = self.cholesky.as_mut().expect("the matrix was factored");
+        cholesky.solve_in_place(&mut rest);
         *x += rest;
     }
 
@@ -317,7 +324,12 @@ mod tests {
         let rows = b.svd(false, true).v_t.unwrap();
         let expected = rows.rows(16, 4).transpose();
         let mut matrix = MotionMatrix::new(&graph, &WEIGHTS, 3.0);
-        let found = smallest_eigenvectors(&mut matrix, WANTED, &DMatrix::zeros(20, 4)).vectors;
+        let found = smallest_eigenvectors(
+            &mut matrix,
+            WANTED,
+            &Eigenspace::guess(DMatrix::zeros(20, 4)),
+        )
+        .vectors;
         let found = found.columns(0, 4);
         assert!((found - &expected * expected.tr_mul(&found)).norm() < 1e-9);
     }

@@ -1,6 +1,6 @@
 use nalgebra::{DMatrix, Matrix3};
 
-use crate::cholesky::{NotPositiveDefinite, SparseCholesky};
+use crate::cholesky::{SparseCholesky, Unfactorable};
 use crate::eigenspace::SemidefiniteMatrix;
 use crate::subgraph::{Measurement, Subgraph};
 
@@ -17,7 +17,8 @@ pub(crate) struct ConnectionLaplacian<'a> {
     weights: Vec<f64>,
     /// Weighted degree of each node.
     degrees: Vec<f64>,
-    cholesky: SparseCholesky,
+    /// `None` where the factor would fill up.
+    cholesky: Option<SparseCholesky>,
     layout: Layout,
 }
 
@@ -82,15 +83,17 @@ impl SemidefiniteMatrix for ConnectionLaplacian<'_> {
         product
     }
 
-    fn factorize(&mut self, shift: f64) -> Result<(), NotPositiveDefinite> {
+    fn factorize(&mut self, shift: f64) -> Result<(), Unfactorable> {
         let values = self
             .layout
             .values(self.graph, &self.weights, &self.degrees, shift);
-        self.cholesky.factorize(&values)
+        let cholesky = self.cholesky.as_mut().ok_or(Unfactorable)?;
+        cholesky.factorize(&values)
     }
 
     fn solve_in_place(&mut self, x: &mut DMatrix<f64>) {
-        self.cholesky.solve_in_place(x);
+        let cholesky = self.cholesky.as_mut().expect("the matrix was factored");
+        cholesky.solve_in_place(x);
     }
 
     fn to_dense(&self) -> DMatrix<f64> {

@@ -8,6 +8,8 @@ use crate::{Iteration, RobustLoss, SyncParams, Update};
 
 /// Steps of one weighted average.
 const MAX_STEPS: usize = 20;
+/// Error of a step, relative to the step, where it is iterated: later steps make up for it.
+const STEP_ACCURACY: f64 = 1e-2;
 /// Mean step (radians) at which a weighted average has converged.
 const STEP_TOLERANCE: f64 = 1e-9;
 /// Mean turn (radians) between two reweightings at which they have converged.
@@ -135,7 +137,7 @@ impl<'a> Irls<'a> {
 /// Where the steps end, `Σ_j w_ij ω_ij` vanishes at each node: the gradient of `½ Σ w_ij r_ij²`.
 pub(crate) struct LieAverager<'a> {
     graph: &'a Subgraph,
-    system: GroundedLaplacian<'a>,
+    system: GroundedLaplacian,
     pub world_from_node: Vec<Rotation3<f64>>,
 }
 
@@ -162,6 +164,11 @@ impl<'a> LieAverager<'a> {
         turn
     }
 
+    /// The positions that go with the rotations, under the weights of the last average.
+    pub fn positions(&mut self) -> Vec<Vector3<f64>> {
+        self.system.positions(self.graph, &self.world_from_node)
+    }
+
     /// One step of all nodes. Returns its mean length.
     fn step(&mut self) -> f64 {
         let errors: Vec<_> = self
@@ -170,7 +177,7 @@ impl<'a> LieAverager<'a> {
             .iter()
             .map(|m| self.error(m))
             .collect();
-        let steps = self.system.solve(&errors);
+        let steps = self.system.solve(&errors, STEP_ACCURACY);
         for (rotation, step) in self.world_from_node.iter_mut().zip(&steps) {
             *rotation = Rotation3::new(*step) * *rotation;
         }

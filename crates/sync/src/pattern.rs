@@ -49,8 +49,8 @@ impl GroundedPattern {
         start + self.size * (place + 1) - k
     }
 
-    /// A decomposition that knows the pattern and no values.
-    pub fn cholesky(&self) -> SparseCholesky {
+    /// A decomposition that knows the pattern and no values. `None` where the factor would fill up.
+    pub fn cholesky(&self) -> Option<SparseCholesky> {
         let size = self.size * self.above.len();
         SparseCholesky::new(size, self.column_starts.clone(), self.rows.clone())
     }

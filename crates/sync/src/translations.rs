@@ -2,12 +2,15 @@ use gmpcr_posegraph::PoseGraph;
 use nalgebra::{DMatrix, Rotation3, Vector3};
 
 use crate::cholesky::SparseCholesky;
+use crate::conjugate_gradients::{LinearSystem, conjugate_gradients};
 use crate::pattern::GroundedPattern;
 use crate::subgraph::{Measurement, Subgraph, relative};
 
 /// Relative weights are lifted to this where rounding leaves scans that hang on lower ones without a
 /// position.
 const WEIGHT_FLOOR: f64 = 1e-12;
+/// Residual at which conjugate gradients stop where they solve.
+const TOLERANCE: f64 = 1e-10;
 
 /// Translations under given rotations: `argmin Σ w_ij ‖R_i t̂_ij + t_i − t_j‖²`.
 ///
@@ -55,41 +58,42 @@ pub(crate) fn subgraph_translations(
     if graph.num_nodes < 2 {
         return vec![Vector3::zeros(); graph.num_nodes];
     }
-    let tree = graph.spanning_tree(&relative(weights));
-    let along_tree = graph.positions_along(&tree, world_from_node);
-    let offset = |m: &Measurement| {
-        world_from_node[m.i] * m.translation - (along_tree[m.j] - along_tree[m.i])
-    };
-    let offsets: Vec<_> = graph.measurements.iter().map(offset).collect();
     let mut system = GroundedLaplacian::new(graph);
     system.set_weights(weights);
-    let corrections = system.solve(&offsets);
-    let nodes = along_tree.iter().zip(&corrections);
-    nodes
-        .map(|(position, correction)| position + correction)
-        .collect()
+    system.positions(graph, world_from_node)
 }
 
 /// The weighted graph Laplacian without node 0, whose row `k − 1` is of node `k`: the normal equations
 /// of `argmin Σ w_ij ‖o_ij + p_i − p_j‖²` with `p_0 = 0`. The graph has two nodes at least.
-pub(crate) struct GroundedLaplacian<'a> {
-    graph: &'a Subgraph,
+pub(crate) struct GroundedLaplacian {
+    num_nodes: usize,
+    /// The nodes that each measurement joins: all that the matrix takes from them.
+    ends: Vec<(usize, usize)>,
     weights: Vec<f64>,
+    /// `None` where the factor would fill up: then conjugate gradients solve.
+    factored: Option<Factored>,
+}
+
+struct Factored {
     pattern: GroundedPattern,
     cholesky: SparseCholesky,
     is_definite: bool,
 }
 
-impl<'a> GroundedLaplacian<'a> {
+impl GroundedLaplacian {
     /// The Laplacian with zero weights.
-    pub fn new(graph: &'a Subgraph) -> Self {
+    pub fn new(graph: &Subgraph) -> Self {
         let pattern = GroundedPattern::new(graph, 1);
+        let cholesky = pattern.cholesky();
         Self {
-            graph,
+            num_nodes: graph.num_nodes,
+            ends: graph.measurements.iter().map(|m| (m.i, m.j)).collect(),
             weights: vec![0.0; graph.measurements.len()],
-            cholesky: pattern.cholesky(),
-            pattern,
-            is_definite: false,
+            factored: cholesky.map(|cholesky| Factored {
+                pattern,
+                cholesky,
+                is_definite: false,
+            }),
         }
     }
 
@@ -99,57 +103,155 @@ impl<'a> GroundedLaplacian<'a> {
         self.factorize();
     }
 
-    /// The minimising `p` of all nodes for one offset `o` per measurement. All zero where the system
-    /// is singular in floating point.
-    pub fn solve(&mut self, offsets: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let solution = self.try_solve(offsets).or_else(|| {
-            self.lift_weights();
-            self.try_solve(offsets)
-        });
-        let position = |node: usize| match &solution {
-            Some(rows) if node > 0 => rows.fixed_view::<1, 3>(node - 1, 0).transpose(),
-            _ => Vector3::zeros(),
+    /// The translations of its graph under given rotations and the weights it has.
+    pub fn positions(
+        &mut self,
+        graph: &Subgraph,
+        world_from_node: &[Rotation3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        let tree = graph.spanning_tree(&self.weights);
+        let along_tree = graph.positions_along(&tree, world_from_node);
+        let offset = |m: &Measurement| {
+            world_from_node[m.i] * m.translation - (along_tree[m.j] - along_tree[m.i])
         };
-        (0..self.graph.num_nodes).map(position).collect()
+        let offsets: Vec<_> = graph.measurements.iter().map(offset).collect();
+        let corrections = self.solve(&offsets, TOLERANCE);
+        let nodes = along_tree.iter().zip(&corrections);
+        nodes
+            .map(|(position, correction)| position + correction)
+            .collect()
     }
 
-    fn try_solve(&mut self, offsets: &[Vector3<f64>]) -> Option<DMatrix<f64>> {
-        if !self.is_definite {
-            return None;
-        }
-        let mut right = DMatrix::zeros(self.graph.num_nodes - 1, 3);
-        let measurements = self.graph.measurements.iter().zip(&self.weights);
-        for ((m, &weight), offset) in measurements.zip(offsets) {
-            for (node, sign) in [(m.i, -1.0), (m.j, 1.0)] {
-                if node > 0 {
-                    let mut row = right.row_mut(node - 1);
-                    row += offset.transpose() * (sign * weight);
-                }
-            }
-        }
-        self.cholesky.solve_in_place(&mut right);
-        right.iter().all(|x| x.is_finite()).then_some(right)
+    /// The minimising `p` of all nodes for one offset `o` per measurement, where it is iterated to this
+    /// tolerance. All zero where the system is singular in floating point.
+    pub fn solve(&mut self, offsets: &[Vector3<f64>], tolerance: f64) -> Vec<Vector3<f64>> {
+        let solution = self.try_solve(offsets, tolerance).or_else(|| {
+            let lifted = self.weights.iter().map(|weight| weight.max(WEIGHT_FLOOR));
+            self.weights = lifted.collect();
+            self.factorize();
+            self.try_solve(offsets, tolerance)
+        });
+        solution.unwrap_or_else(|| vec![Vector3::zeros(); self.num_nodes])
     }
 
-    fn lift_weights(&mut self) {
-        let lifted = self.weights.iter().map(|weight| weight.max(WEIGHT_FLOOR));
-        self.weights = lifted.collect();
-        self.factorize();
+    fn try_solve(&mut self, offsets: &[Vector3<f64>], tolerance: f64) -> Option<Vec<Vector3<f64>>> {
+        let mut right = vec![Vector3::zeros(); self.num_nodes];
+        for ((i, j, weight), offset) in self.links().zip(offsets) {
+            right[i] -= offset * weight;
+            right[j] += offset * weight;
+        }
+        right[0] = Vector3::zeros();
+        let solution = match &mut self.factored {
+            Some(factored) => factored.solve(&right)?,
+            None => conjugate_gradients(&*self, &right, tolerance),
+        };
+        let is_finite = |p: &Vector3<f64>| p.iter().all(|x| x.is_finite());
+        solution.iter().all(is_finite).then_some(solution)
+    }
+
+    /// The nodes of each measurement and its weight.
+    fn links(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        self.ends
+            .iter()
+            .zip(&self.weights)
+            .map(|(&(i, j), &weight)| (i, j, weight))
     }
 
     fn factorize(&mut self) {
-        let mut values = vec![0.0; self.pattern.num_values()];
-        for (m, &weight) in self.graph.measurements.iter().zip(&self.weights) {
-            for node in [m.i, m.j] {
+        let Some(Factored { pattern, .. }) = &self.factored else {
+            return;
+        };
+        let mut values = vec![0.0; pattern.num_values()];
+        for (i, j, weight) in self.links() {
+            for node in [i, j] {
                 if node > 0 {
-                    values[self.pattern.start(node, node, 0)] += weight;
+                    values[pattern.start(node, node, 0)] += weight;
                 }
             }
-            let (low, high) = (m.i.min(m.j), m.i.max(m.j));
+            let (low, high) = (i.min(j), i.max(j));
             if low > 0 {
-                values[self.pattern.start(high, low, 0)] -= weight;
+                values[pattern.start(high, low, 0)] -= weight;
             }
         }
-        self.is_definite = self.cholesky.factorize(&values).is_ok();
+        if let Some(factored) = &mut self.factored {
+            factored.is_definite = factored.cholesky.factorize(&values).is_ok();
+        }
+    }
+}
+
+impl Factored {
+    fn solve(&mut self, right: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
+        if !self.is_definite {
+            return None;
+        }
+        let mut rows = DMatrix::from_fn(right.len() - 1, 3, |row, axis| right[row + 1][axis]);
+        self.cholesky.solve_in_place(&mut rows);
+        let position = |row: usize| rows.fixed_view::<1, 3>(row, 0).transpose();
+        let held = std::iter::once(Vector3::zeros());
+        Some(held.chain((0..rows.nrows()).map(position)).collect())
+    }
+}
+
+impl LinearSystem for GroundedLaplacian {
+    fn multiply(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let mut y = vec![Vector3::zeros(); x.len()];
+        for (i, j, weight) in self.links() {
+            let difference = (x[i] - x[j]) * weight;
+            y[i] += difference;
+            y[j] -= difference;
+        }
+        y[0] = x[0];
+        y
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        let mut degrees = vec![0.0; self.num_nodes];
+        for (i, j, weight) in self.links() {
+            degrees[i] += weight;
+            degrees[j] += weight;
+        }
+        degrees[0] = 1.0;
+        degrees
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Rotation3;
+
+    use super::*;
+
+    #[test]
+    fn factored_and_iterated_solutions_agree() {
+        let measurement = |k: usize| Measurement {
+            i: k * k % 50,
+            j: (k * 7 + k / 50 + 1) % 50,
+            rotation: Rotation3::identity(),
+            translation: Vector3::zeros(),
+        };
+        let chain = (1..50).map(|j| Measurement {
+            i: j - 1,
+            j,
+            ..measurement(0)
+        });
+        let all = chain.chain((0..200).map(measurement).filter(|m| m.i != m.j));
+        let graph = Subgraph {
+            num_nodes: 50,
+            measurements: all.collect(),
+        };
+        let count = graph.measurements.len();
+        // Weights over eight decades.
+        let weights: Vec<f64> = (0..count).map(|k| 10f64.powi(-((k % 9) as i32))).collect();
+        let offset =
+            |k: usize| Vector3::new((k as f64).sin(), (2.0 * k as f64).cos(), 0.1 * k as f64);
+        let offsets: Vec<_> = (0..count).map(offset).collect();
+        let mut system = GroundedLaplacian::new(&graph);
+        system.set_weights(&weights);
+        let factored = system.solve(&offsets, TOLERANCE);
+        system.factored = None;
+        let iterated = system.solve(&offsets, TOLERANCE);
+        for (a, b) in factored.iter().zip(&iterated) {
+            assert!((a - b).norm() < 1e-6, "{a} {b}");
+        }
     }
 }

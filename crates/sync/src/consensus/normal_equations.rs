@@ -42,13 +42,13 @@ impl<'a> NormalEquations<'a> {
     /// `None` where the factor would be too large: each number of a graph Laplacian's becomes 36.
     pub fn new(graph: &'a Subgraph) -> Option<Self> {
         let nodes = GroundedPattern::new(graph, 1);
-        if SIZE * SIZE * nodes.cholesky().factor_len() > MAX_FACTOR_LEN {
+        if SIZE * SIZE * nodes.cholesky()?.factor_len() > MAX_FACTOR_LEN {
             return None;
         }
         let pattern = GroundedPattern::new(graph, SIZE);
         Some(Self {
             graph,
-            cholesky: pattern.cholesky(),
+            cholesky: pattern.cholesky()?,
             pattern,
         })
     }

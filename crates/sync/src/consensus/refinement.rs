@@ -3,7 +3,6 @@ use nalgebra::Rotation3;
 use super::poses::{Noise, Poses};
 use crate::lie_averaging::LieAverager;
 use crate::subgraph::Subgraph;
-use crate::translations::subgraph_translations;
 use crate::{Iteration, SyncParams, Update};
 
 /// Scale of the loss at the start, in units of the noise.
@@ -54,7 +53,6 @@ pub(super) fn record(
 
 /// Least squares over rotations, then over the positions that go with them.
 pub(super) struct LeastSquares<'a> {
-    graph: &'a Subgraph,
     averager: LieAverager<'a>,
 }
 
@@ -62,17 +60,15 @@ impl<'a> LeastSquares<'a> {
     /// Starts from these rotations.
     pub fn new(graph: &'a Subgraph, world_from_node: Vec<Rotation3<f64>>) -> Self {
         Self {
-            graph,
             averager: LieAverager::new(graph, world_from_node),
         }
     }
 
     pub fn solve(&mut self, weights: &[f64]) -> Poses {
         self.averager.solve(weights);
-        let rotations = self.averager.world_from_node.clone();
         Poses {
-            positions: subgraph_translations(self.graph, &rotations, weights),
-            rotations,
+            positions: self.averager.positions(),
+            rotations: self.averager.world_from_node.clone(),
         }
     }
 }
