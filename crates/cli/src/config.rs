@@ -317,6 +317,26 @@ const KEYS: &[Key] = &[
         Access::Count(|config| &mut config.params.correspondence.max_correspondences),
     ),
     key(
+        "retrieval.min_scans",
+        "So many scans or more have only the most promising pairs scored, fewer have all.",
+        Access::Count(|config| &mut config.params.retrieval.min_scans),
+    ),
+    key(
+        "retrieval.candidates_per_scan",
+        "Partners that each scan proposes by its descriptors.",
+        Access::Count(|config| &mut config.params.retrieval.candidates_per_scan),
+    ),
+    key(
+        "retrieval.expansions",
+        "Rounds in which scans then propose neighbours of their neighbours.",
+        Access::Count(|config| &mut config.params.retrieval.expansions),
+    ),
+    key(
+        "retrieval.candidates_per_expansion",
+        "Neighbours that each scan asks in such a round, and partners that it proposes.",
+        Access::Count(|config| &mut config.params.retrieval.candidates_per_expansion),
+    ),
+    key(
         "compatibility.tolerance",
         "Two correspondences agree if their distances differ by less than this, tau_c.",
         Access::Number(|config| &mut config.tolerance),

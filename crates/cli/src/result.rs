@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use gmpcr::Registration;
 use gmpcr::geometry::{isometry, nearest_rotation};
 use gmpcr::nalgebra::{Isometry3, Matrix3, Vector3};
+use gmpcr::posegraph::PairConfidences;
 use serde::{Deserialize, Serialize};
 
 use crate::attention::Notice;
@@ -36,7 +37,8 @@ pub struct ResultFile {
     pub edges: Vec<EdgeResult>,
     /// Selected pairs without a motion.
     pub unresolved: Vec<UnresolvedResult>,
-    /// Normalised confidences of all pairs: (0, 1), (0, 2), …, (1, 2), …
+    /// Normalised confidences of all pairs: (0, 1), (0, 2), …, (1, 2), …; zero for those that retrieval
+    /// left out.
     pub confidences: Vec<f64>,
     /// The same before they were divided by the largest.
     pub raw_confidences: Vec<f64>,
@@ -152,11 +154,9 @@ impl ResultFile {
             config.params(input.voxel.size),
         );
         let reports = registration.synchronization.iter();
-        let raw_confidences = registration
-            .confidences
-            .pairs()
-            .iter()
-            .map(|pair| pair.raw_confidence);
+        let confidences = &registration.confidences;
+        let raw_confidences = confidences.pairs().iter().map(|pair| pair.raw_confidence);
+        let raw_confidences: Vec<f64> = raw_confidences.collect();
         Self {
             format: FORMAT,
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -174,8 +174,8 @@ impl ResultFile {
             components: registration.components.members().to_vec(),
             edges: edges(registration, frames),
             unresolved: unresolved.collect(),
-            confidences: registration.confidences.normalized().to_vec(),
-            raw_confidences: raw_confidences.collect(),
+            confidences: of_all_pairs(confidences, confidences.normalized()),
+            raw_confidences: of_all_pairs(confidences, &raw_confidences),
             synchronization: reports
                 .map(|report| SynchronizationResult {
                     iterations: report.iterations.len(),
@@ -303,6 +303,17 @@ fn edges(registration: &Registration, frames: &FileFrames) -> Vec<EdgeResult> {
 }
 
 /// The course of the weight of each edge.
+/// Values of scored pairs among all pairs (0, 1), (0, 2), …, (1, 2), …
+fn of_all_pairs(scored: &PairConfidences, values: &[f64]) -> Vec<f64> {
+    let n = scored.num_scans();
+    let mut all = vec![0.0; n * (n - 1) / 2];
+    for (pair, &value) in scored.pairs().iter().zip(values) {
+        let before_row = pair.i * (2 * n - pair.i - 1) / 2;
+        all[before_row + pair.j - pair.i - 1] = value;
+    }
+    all
+}
+
 fn weights(registration: &Registration) -> Vec<Vec<f64>> {
     let evidence = registration.evidence.iter();
     let mut weights: Vec<_> = evidence.map(|edge| vec![edge.initial_weight]).collect();

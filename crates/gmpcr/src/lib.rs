@@ -48,8 +48,8 @@
 //! Scans and pairs are processed in parallel on the current [rayon] pool; the same input gives the
 //! same bits with any number of threads.
 //!
-//! Each stage is a crate of its own, re-exported here: [`correspondence`], [`compatibility`],
-//! [`posegraph`], [`cliques`], [`sync`], [`geometry`], and `features`.
+//! Each stage is a crate of its own, re-exported here: [`correspondence`], [`retrieval`],
+//! [`compatibility`], [`posegraph`], [`cliques`], [`sync`], [`geometry`], and `features`.
 
 #[cfg(feature = "features")]
 mod describe;
@@ -81,6 +81,7 @@ pub use gmpcr_correspondence as correspondence;
 pub use gmpcr_features as features;
 pub use gmpcr_geometry as geometry;
 pub use gmpcr_posegraph as posegraph;
+pub use gmpcr_retrieval as retrieval;
 pub use gmpcr_sync as sync;
 pub use nalgebra;
 

@@ -5,7 +5,8 @@ use std::fmt;
 pub enum Stage {
     /// Farthest-point sampling; its items are scans.
     Sampling,
-    /// Matching and scoring; its items are pairs of scans.
+    /// Matching and scoring; its items are pairs of scans. It begins again for each round of pairs where they
+    /// are retrieved.
     Scoring,
     /// Choice of the edges, one item.
     Selection,

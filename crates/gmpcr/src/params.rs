@@ -2,6 +2,7 @@ use gmpcr_cliques::CliqueParams;
 use gmpcr_compatibility::CompatibilityParams;
 use gmpcr_correspondence::CorrespondenceParams;
 use gmpcr_posegraph::PoseGraphParams;
+use gmpcr_retrieval::RetrievalParams;
 use gmpcr_sync::{AdaptiveHistory, History, Method, SyncParams};
 
 use crate::Error;
@@ -39,6 +40,8 @@ use crate::Error;
 pub struct Params {
     /// Sampling and matching.
     pub correspondence: CorrespondenceParams,
+    /// Choice of the pairs that are scored, where scans are many.
+    pub retrieval: RetrievalParams,
     /// Compatibility graphs and spectral filter.
     pub compatibility: CompatibilityParams,
     /// Selection of scan pairs.
@@ -110,6 +113,7 @@ impl Params {
     pub fn validate(&self) -> Result<(), Error> {
         let Self {
             correspondence,
+            retrieval,
             compatibility,
             posegraph,
             cliques,
@@ -121,6 +125,12 @@ impl Params {
             correspondence.max_correspondences,
             "correspondence.max_correspondences",
         )?;
+        let (per_scan, per_expansion) = (
+            retrieval.candidates_per_scan,
+            retrieval.candidates_per_expansion,
+        );
+        at_least(1, per_scan, "retrieval.candidates_per_scan")?;
+        at_least(1, per_expansion, "retrieval.candidates_per_expansion")?;
         positive(compatibility.tolerance, "compatibility.tolerance")?;
         let fraction = compatibility.retained_fraction;
         let is_share = fraction > 0.0 && fraction <= 1.0;

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use gmpcr_cliques::PoseEstimate;
 use gmpcr_correspondence::{Keypoints, Scan};
 use gmpcr_posegraph::{Connectivity, PairConfidences, PoseEdge, PoseGraph, ScoredPair};
+use gmpcr_retrieval::{candidate_pairs, further_pairs};
 use gmpcr_sync::{Synchronization, synchronize};
 use rayon::prelude::*;
 
@@ -15,10 +16,15 @@ use crate::{Error, Observer, Params, Stage};
 /// Scans that come and go: keeps what is known of each scan and each pair, so that a change costs only
 /// what it changes.
 ///
-/// Adding the N-th scan samples it and scores its `N − 1` pairs; [`registration`](Self::registration)
-/// then chooses edges among all pairs, estimates the motions of those that were not chosen before, and
-/// synchronises. The result has the same bits as [`register`](crate::register) of the same scans in the
-/// same order. Memory holds the keypoints, one confidence per pair and one motion per edge.
+/// Adding a scan samples it. [`registration`](Self::registration) then scores the pairs that were not
+/// scored before (the `N − 1` of the N-th scan, or fewer where they are retrieved), chooses edges
+/// among all scored pairs, estimates the motions of those that were not chosen before, and synchronises. The
+/// result has the same bits as [`register`](crate::register) of the same scans in the same order. Memory
+/// holds the keypoints, one confidence per scored pair and one motion per edge.
+///
+/// Pairs are retrieved where there are [`retrieval.min_scans`](gmpcr_retrieval::RetrievalParams::min_scans)
+/// scans or more: each scan proposes others by its descriptors, and then neighbours of the neighbours
+/// that it has by the confidences.
 ///
 /// ```
 /// use gmpcr::{Descriptors, Params, Registry, Scan, register};
@@ -43,13 +49,16 @@ use crate::{Error, Observer, Params, Stage};
 pub struct Registry {
     params: Params,
     keypoints: Vec<Keypoints>,
-    /// Raw confidences: entry `i` of row `j` is that of the pair `(i, j)`, `i < j`.
-    scores: Vec<Vec<f64>>,
+    /// Raw confidences of pairs `(i, j)`, `i < j`.
+    scores: BTreeMap<Pair, f64>,
     /// What the pairs have to say that the last registration selected.
-    selected: BTreeMap<(usize, usize), SelectedPair>,
+    selected: BTreeMap<Pair, SelectedPair>,
     /// What was spent since the last registration.
     times: StageTimes,
 }
+
+/// Two scans, the lower index first.
+type Pair = (usize, usize);
 
 #[derive(Clone, Debug)]
 struct SelectedPair {
@@ -67,7 +76,7 @@ impl Registry {
         Ok(Self {
             params,
             keypoints: Vec::new(),
-            scores: Vec::new(),
+            scores: BTreeMap::new(),
             selected: BTreeMap::new(),
             times: StageTimes::default(),
         })
@@ -83,29 +92,18 @@ impl Registry {
         self.keypoints.is_empty()
     }
 
-    /// Adds scans behind the others, samples them and scores all their pairs.
+    /// Adds scans behind the others and samples them.
     ///
     /// # Errors
     /// [`Error::DimensionsDiffer`] if descriptors differ in dimension, also from those of earlier scans,
     /// and [`Error::Cancelled`] if the observer says so. Then the registry is as it was.
     pub fn add(&mut self, scans: &[Scan], observer: &dyn Observer) -> Result<(), Error> {
         self.check_dimensions(scans)?;
-        let num_before = self.keypoints.len();
         let mut times = self.times;
         let sampled = timed(&mut times.sampling, || self.sample(scans, observer))?;
         self.keypoints.extend(sampled);
-        let scored = timed(&mut times.scoring, || self.score_from(num_before, observer));
-        match scored {
-            Ok(rows) => {
-                self.scores.extend(rows);
-                self.times = times;
-                Ok(())
-            }
-            Err(error) => {
-                self.keypoints.truncate(num_before);
-                Err(error)
-            }
-        }
+        self.times = times;
+        Ok(())
     }
 
     /// Removes a scan; those behind it move up by one.
@@ -114,28 +112,21 @@ impl Registry {
     /// If the scan does not exist.
     pub fn remove(&mut self, scan: usize) {
         self.keypoints.remove(scan);
-        self.scores.remove(scan);
-        for row in &mut self.scores[scan..] {
-            row.remove(scan);
-        }
-        let moved = |k: usize| k - usize::from(k > scan);
-        let kept = mem::take(&mut self.selected).into_iter();
-        let kept = kept.filter(|&((i, j), _)| i != scan && j != scan);
-        self.selected = kept
-            .map(|((i, j), pair)| ((moved(i), moved(j)), pair))
-            .collect();
+        without(scan, &mut self.scores);
+        without(scan, &mut self.selected);
     }
 
     /// Registers the scans.
     ///
     /// # Errors
-    /// [`Error::NoScans`] if there is none, and [`Error::Cancelled`] if the observer says so.
+    /// [`Error::NoScans`] if there is none, and [`Error::Cancelled`] if the observer says so. What was found
+    /// out until then is kept, stage by stage.
     pub fn registration(&mut self, observer: &dyn Observer) -> Result<Registration, Error> {
         if self.is_empty() {
             return Err(Error::NoScans);
         }
         let mut times = self.times;
-        let confidences = self.confidences();
+        let confidences = timed(&mut times.scoring, || self.score(observer))?;
         let selected = timed(&mut times.selection, || {
             Items::of(Stage::Selection, 1, observer)
                 .one(|| Ok(confidences.top_k_union(self.params.posegraph.neighbors)))
@@ -188,33 +179,50 @@ impl Registry {
         scans.par_iter().map(sample).collect()
     }
 
-    /// The rows of scores of the scans from `first` on.
-    fn score_from(&self, first: usize, observer: &dyn Observer) -> Result<Vec<Vec<f64>>, Error> {
-        let new = first..self.keypoints.len();
-        let pairs: Vec<_> = new
-            .clone()
-            .flat_map(|j| (0..j).map(move |i| (i, j)))
-            .collect();
-        let items = Items::of(Stage::Scoring, pairs.len(), observer);
-        let score = |(i, j): (usize, usize)| {
-            raw_confidence(&self.keypoints[i], &self.keypoints[j], &self.params)
-                .map_err(|differ| Error::of_pair(i, j, differ))
-        };
-        let scored = pairs.into_par_iter().map(|pair| items.one(|| score(pair)));
-        let scored: Result<Vec<f64>, Error> = scored.collect();
-        let mut scored = scored?.into_iter();
-        Ok(new.map(|j| scored.by_ref().take(j).collect()).collect())
+    /// Confidences of all pairs that are worth it, of which those not known yet are scored.
+    fn score(&mut self, observer: &dyn Observer) -> Result<PairConfidences, Error> {
+        let params = self.params.retrieval.clone();
+        let descriptors = self.keypoints.iter().map(Keypoints::descriptors);
+        let mut pairs = candidate_pairs(&descriptors.collect::<Vec<_>>(), &params)
+            .expect("added scans have descriptors of one dimension");
+        self.score_pairs(&pairs, observer)?;
+        for _ in 0..params.expansions {
+            let further = further_pairs(&self.confidences(&pairs), &params);
+            if further.is_empty() {
+                break;
+            }
+            self.score_pairs(&further, observer)?;
+            pairs.extend(further);
+            pairs.sort_unstable();
+        }
+        Ok(self.confidences(&pairs))
     }
 
-    fn confidences(&self) -> PairConfidences {
-        let num_scans = self.keypoints.len();
-        let pairs = (0..num_scans).flat_map(|i| (i + 1..num_scans).map(move |j| (i, j)));
-        let scored = pairs.map(|(i, j)| ScoredPair {
+    fn score_pairs(&mut self, pairs: &[Pair], observer: &dyn Observer) -> Result<(), Error> {
+        let is_new = |pair: &Pair| !self.scores.contains_key(pair);
+        let new: Vec<Pair> = pairs.iter().copied().filter(is_new).collect();
+        let items = Items::of(Stage::Scoring, new.len(), observer);
+        let score = |(i, j): Pair| {
+            let raw_confidence =
+                raw_confidence(&self.keypoints[i], &self.keypoints[j], &self.params)
+                    .map_err(|differ| Error::of_pair(i, j, differ))?;
+            Ok(((i, j), raw_confidence))
+        };
+        let scored = new.into_par_iter().map(|pair| items.one(|| score(pair)));
+        let scored: Result<Vec<_>, Error> = scored.collect();
+        self.scores.extend(scored?);
+        Ok(())
+    }
+
+    /// Of pairs that are scored, in order.
+    fn confidences(&self, pairs: &[Pair]) -> PairConfidences {
+        let scored = pairs.iter().map(|&(i, j)| ScoredPair {
             i,
             j,
-            raw_confidence: self.scores[j][i],
+            raw_confidence: self.scores[&(i, j)],
         });
-        PairConfidences::new(num_scans, scored.collect()).expect("all pairs, in order, are scored")
+        PairConfidences::new(self.keypoints.len(), scored.collect())
+            .expect("the pairs are different, in order, and scored by finite numbers")
     }
 
     /// Estimates the motions of selected pairs that were not selected before. They are matched and
@@ -232,7 +240,7 @@ impl Registry {
         });
         let ends: Vec<_> = ends.collect();
         let items = Items::of(Stage::PoseEstimation, ends.len(), observer);
-        let estimate = |&(i, j): &(usize, usize)| {
+        let estimate = |&(i, j): &Pair| {
             if let Some(known) = self.selected.get(&(i, j)) {
                 return Ok(((i, j), known.clone()));
             }
@@ -302,6 +310,16 @@ impl Registry {
             .expect("motions of usable points are finite, and confidences at most one");
         (graph, evidence, unresolved)
     }
+}
+
+/// Forgets the pairs of a scan; scans behind it move up by one.
+fn without<T>(scan: usize, of_pairs: &mut BTreeMap<Pair, T>) {
+    let moved = |k: usize| k - usize::from(k > scan);
+    let kept = mem::take(of_pairs).into_iter();
+    let kept = kept.filter(|&((i, j), _)| i != scan && j != scan);
+    *of_pairs = kept
+        .map(|((i, j), value)| ((moved(i), moved(j)), value))
+        .collect();
 }
 
 fn timed<T>(time: &mut Duration, stage: impl FnOnce() -> T) -> T {

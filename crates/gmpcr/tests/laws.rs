@@ -5,6 +5,7 @@
 use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
 use std::sync::Mutex;
 
+use gmpcr::retrieval::RetrievalParams;
 use gmpcr::{
     Descriptors, Error, Observer, Params, Registration, Registry, Scan, Stage, register,
     register_observed, register_pair,
@@ -474,7 +475,23 @@ fn assert_same(a: &Registration, b: &Registration) {
 
 #[test]
 fn scans_that_come_and_go_are_registered_as_if_they_had_come_at_once() {
-    let (all, params) = (VIEWS.scans(), Params::default());
+    come_and_go(Params::default());
+}
+
+#[test]
+fn scans_that_come_and_go_have_the_pairs_retrieved_that_they_would_have_had_at_once() {
+    let mut params = Params::default();
+    params.retrieval = RetrievalParams {
+        min_scans: 5,
+        candidates_per_scan: 2,
+        expansions: 2,
+        candidates_per_expansion: 1,
+    };
+    come_and_go(params);
+}
+
+fn come_and_go(params: Params) {
+    let all = VIEWS.scans();
     let mut registry = Registry::new(params.clone()).unwrap();
     let mut scans = Vec::new();
     for added in [&all[..4], &all[4..5], &[], &all[5..]] {
@@ -505,14 +522,44 @@ fn scans_that_come_and_go_are_registered_as_if_they_had_come_at_once() {
 }
 
 #[test]
-fn adding_a_scan_scores_its_own_pairs_only() {
+fn a_scan_more_has_its_own_pairs_scored_only() {
     let scans = VIEWS.scans();
     let mut registry = Registry::new(Params::default()).unwrap();
     registry.add(&scans[..8], &()).unwrap();
+    registry.registration(&()).unwrap();
     let witness = Witness::default();
     registry.add(&scans[8..], &witness).unwrap();
+    registry.registration(&witness).unwrap();
     let stages = witness.stages.into_inner().unwrap();
-    assert_eq!(stages, [(Stage::Sampling, 1, 1), (Stage::Scoring, 8, 8)]);
+    assert_eq!(
+        stages[..2],
+        [(Stage::Sampling, 1, 1), (Stage::Scoring, 8, 8)]
+    );
+}
+
+#[test]
+fn retrieved_pairs_are_scored_round_by_round_and_others_never() {
+    let mut params = Params::default();
+    params.posegraph.neighbors = 2;
+    params.retrieval = RetrievalParams {
+        min_scans: 0,
+        candidates_per_scan: 2,
+        expansions: 1,
+        candidates_per_expansion: 1,
+    };
+    let scans = VIEWS.scans();
+    let witness = Witness::default();
+    let registration = register_observed(&scans, &params, &witness).unwrap();
+    let num_scored = registration.confidences.pairs().len();
+    assert!(num_scored < 36, "{num_scored}");
+    let stages = witness.stages.into_inner().unwrap();
+    let rounds = stages.iter().filter(|(stage, ..)| *stage == Stage::Scoring);
+    assert_eq!(rounds.map(|(_, begun, _)| begun).sum::<usize>(), num_scored);
+    assert!(registration.connectivity.is_connected);
+    for (scan, pose) in registration.world_from_scan.iter().enumerate() {
+        let truth = VIEWS.pose(0).inverse() * VIEWS.pose(scan);
+        assert!(difference(pose, &truth) < 0.05, "scan {scan}: {pose}");
+    }
 }
 
 #[test]
@@ -538,14 +585,22 @@ fn what_cannot_be_added_leaves_a_registry_as_it_was() {
             ..
         })
     ));
-    let witness = Witness {
-        patience: Some(4),
+    let impatient = |patience| Witness {
+        patience: Some(patience),
         ..Witness::default()
     };
-    assert!(matches!(
-        registry.add(&scans[3..6], &witness),
-        Err(Error::Cancelled { .. })
-    ));
+    let outcome = registry.add(&scans[3..6], &impatient(0));
+    assert!(matches!(outcome, Err(Error::Cancelled { .. })));
     assert_eq!(registry.len(), 3);
     assert_same(&registry.registration(&()).unwrap(), &before);
+
+    registry.add(&scans[3..6], &()).unwrap();
+    for patience in [0, 12, 0] {
+        let outcome = registry.registration(&impatient(patience));
+        assert!(matches!(outcome, Err(Error::Cancelled { .. })));
+    }
+    assert_same(
+        &registry.registration(&()).unwrap(),
+        &register(&scans[..6], &Params::default()).unwrap(),
+    );
 }

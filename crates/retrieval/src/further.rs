@@ -1,0 +1,86 @@
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
+use gmpcr_posegraph::PairConfidences;
+
+use crate::{RetrievalParams, union};
+
+/// Pairs that are not scored yet, of which either scan proposes the other because they have confident
+/// neighbours in common; `(i, j)`, `i < j`, ascending.
+///
+/// With `K` the `k = candidates_per_expansion` most confident neighbours of a scan, scan `i` proposes
+/// the `k` scans of largest `Σ s_im s_mj` over `m ∈ K(i)` with `j ∈ K(m)`. Pairs of zero confidence are
+/// no neighbours; ties go to the lower index. `O(P log P + N k² log k)` for `P` scored pairs.
+///
+/// An empty result says that further rounds have nothing to add.
+///
+/// ```
+/// use gmpcr_posegraph::{PairConfidences, ScoredPair};
+/// use gmpcr_retrieval::{RetrievalParams, further_pairs};
+///
+/// let scored = [(0, 1, 9.0), (1, 2, 8.0), (2, 3, 0.0)];
+/// let scored = scored.map(|(i, j, raw_confidence)| ScoredPair { i, j, raw_confidence });
+/// let scored = PairConfidences::new(4, scored.to_vec())?;
+/// assert_eq!(further_pairs(&scored, &RetrievalParams::default()), [(0, 2)]);
+/// # Ok::<(), gmpcr_posegraph::ConfidenceError>(())
+/// ```
+pub fn further_pairs(scored: &PairConfidences, params: &RetrievalParams) -> Vec<(usize, usize)> {
+    let max_candidates = params.candidates_per_expansion;
+    let neighborhoods = neighborhoods(scored, max_candidates);
+    let proposals = (0..scored.num_scans()).map(|scan| {
+        let is_new = |other| other != scan && !is_scored(scored, scan, other);
+        let mut affinities = two_steps_away(scan, &neighborhoods);
+        affinities.retain(|&(other, _)| is_new(other));
+        best(affinities, max_candidates)
+    });
+    union(proposals).into_iter().collect()
+}
+
+/// A scan and how strong the tie to it is.
+type Tie = (usize, f64);
+
+/// The `k` most confident neighbours of each scan.
+fn neighborhoods(scored: &PairConfidences, k: usize) -> Vec<Vec<Tie>> {
+    let mut all = vec![Vec::new(); scored.num_scans()];
+    for (pair, &confidence) in scored.pairs().iter().zip(scored.normalized()) {
+        if confidence > 0.0 {
+            all[pair.i].push((pair.j, confidence));
+            all[pair.j].push((pair.i, confidence));
+        }
+    }
+    for ties in &mut all {
+        sort(ties);
+        ties.truncate(k);
+    }
+    all
+}
+
+/// Products of confidences, summed over the neighbours that lead to each scan.
+fn two_steps_away(scan: usize, neighborhoods: &[Vec<Tie>]) -> Vec<Tie> {
+    let mut sums = BTreeMap::new();
+    for &(middle, first) in &neighborhoods[scan] {
+        for &(other, second) in &neighborhoods[middle] {
+            *sums.entry(other).or_insert(0.0) += first * second;
+        }
+    }
+    sums.into_iter().collect()
+}
+
+fn best(mut ties: Vec<Tie>, k: usize) -> Vec<usize> {
+    sort(&mut ties);
+    ties.into_iter().take(k).map(|(scan, _)| scan).collect()
+}
+
+/// Strongest first, then the lower scan.
+fn sort(ties: &mut [Tie]) {
+    // Confidences are not negative, and the bits of such numbers are ordered as the numbers are.
+    ties.sort_by_key(|&(scan, strength)| (Reverse(strength.to_bits()), scan));
+}
+
+fn is_scored(scored: &PairConfidences, a: usize, b: usize) -> bool {
+    let pair = (a.min(b), a.max(b));
+    let position = scored
+        .pairs()
+        .binary_search_by_key(&pair, |known| (known.i, known.j));
+    position.is_ok()
+}
