@@ -46,7 +46,7 @@ impl Eigenspace {
 const GUARD: usize = 3;
 /// Error of each row of the wanted vectors, relative to that row, at which the search stops: weak parts of a
 /// graph have rows that are smaller than others by many decades, and rotations all the same.
-const TOLERANCE: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-9;
 /// Residual, in units of the scale, at which the search stops once it no longer falls fast.
 const SMALL_RESIDUAL: f64 = 1e-13;
 /// A filter that leaves more than this share of the residual gains nothing any more.
