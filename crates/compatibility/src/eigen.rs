@@ -2,6 +2,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::cholesky::llt::solve::solve_in_place_with_conj;
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::traits::pulp::{Arch, Simd, WithSimd};
 use faer::{Conj, Mat, MatMut, MatRef, Par};
 use nalgebra::{DMatrix, DVector};
 
@@ -237,45 +238,52 @@ impl ShiftedFactor {
     }
 }
 
-/// `B v` of a symmetric matrix, column by column as inner products.
+/// `B v` of a symmetric matrix.
 fn product(matrix: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f64> {
-    let size = matrix.nrows();
-    let vector = vector.as_slice();
-    let mut image = DVector::zeros(size);
-    let mut entries = image.as_mut_slice().chunks_exact_mut(2);
-    let mut columns = matrix.as_slice().chunks_exact(2 * size.max(1));
-    for (entries, two) in (&mut entries).zip(&mut columns) {
-        let (a, b) = two.split_at(size);
-        entries.copy_from_slice(&inner_products([a, b], vector));
-    }
-    if let [entry] = entries.into_remainder() {
-        [*entry] = inner_products([columns.remainder()], vector);
-    }
-    image
+    Arch::new().dispatch(Product { matrix, vector })
 }
 
-/// Inner products of columns with one vector, each in eight partial sums, which become vector registers,
-/// in a fixed order.
-fn inner_products<const N: usize>(columns: [&[f64]; N], vector: &[f64]) -> [f64; N] {
-    const LANES: usize = 8;
-    let mut sums = [[0.0; LANES]; N];
-    let whole = vector.len() / LANES * LANES;
-    for start in (0..whole).step_by(LANES) {
-        let block = &vector[start..start + LANES];
-        for (sums, column) in sums.iter_mut().zip(&columns) {
-            let column = &column[start..start + LANES];
-            for lane in 0..LANES {
-                sums[lane] += column[lane] * block[lane];
+/// A product, column by column as inner products, in the widest vectors that the machine has.
+struct Product<'a> {
+    matrix: &'a DMatrix<f64>,
+    vector: &'a DVector<f64>,
+}
+
+impl WithSimd for Product<'_> {
+    type Output = DVector<f64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> DVector<f64> {
+        let size = self.vector.len();
+        let (blocks, rest) = S::as_simd_f64s(self.vector.as_slice());
+        let mut image = DVector::zeros(size);
+        let columns = self.matrix.as_slice().chunks_exact(size.max(1));
+        for (entry, column) in image.as_mut_slice().iter_mut().zip(columns) {
+            let (column_blocks, column_rest) = S::as_simd_f64s(column);
+            *entry = inner_product(simd, column_blocks, blocks);
+            for (x, y) in column_rest.iter().zip(rest) {
+                *entry += x * y;
             }
         }
+        image
     }
-    for (sums, column) in sums.iter_mut().zip(&columns) {
-        let rest = column[whole..].iter().zip(&vector[whole..]);
-        for (sum, (x, y)) in sums.iter_mut().zip(rest) {
-            *sum += x * y;
+}
+
+/// Four partial sums hide the time that an addition takes.
+#[inline(always)]
+fn inner_product<S: Simd>(simd: S, x: &[S::f64s], y: &[S::f64s]) -> f64 {
+    let ((x_fours, x_rest), (y_fours, y_rest)) = (x.as_chunks::<4>(), y.as_chunks::<4>());
+    let mut sums = [simd.splat_f64s(0.0); 4];
+    for (x, y) in x_fours.iter().zip(y_fours) {
+        for lane in 0..4 {
+            sums[lane] = simd.mul_add_f64s(x[lane], y[lane], sums[lane]);
         }
     }
-    sums.map(|sums| sums.iter().sum())
+    for (&x, &y) in x_rest.iter().zip(y_rest) {
+        sums[0] = simd.mul_add_f64s(x, y, sums[0]);
+    }
+    let [a, b, c, d] = sums;
+    simd.reduce_sum_f64s(simd.add_f64s(simd.add_f64s(a, b), simd.add_f64s(c, d)))
 }
 
 /// A connected part of the graph of the positive entries.

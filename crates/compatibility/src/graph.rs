@@ -1,4 +1,5 @@
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::traits::pulp::{Arch, NullaryFnOnce};
 use faer::{Accum, MatMut, MatRef, Par};
 use gmpcr_geometry::PointPairs;
 use nalgebra::{DMatrix, Point3};
@@ -30,7 +31,11 @@ impl CompatibilityGraph {
     ///
     /// `O(M²)` distances and `M³ / 2` multiply-adds.
     pub fn new(pairs: &PointPairs, tolerance: f64) -> Self {
-        Self::from_fcg(first_order(pairs, tolerance))
+        Self::from_fcg(Arch::new().dispatch(FirstOrder {
+            target: Axes::new(pairs.target()),
+            source: Axes::new(pairs.source()),
+            tolerance,
+        }))
     }
 
     /// The graph on the `retained` correspondences alone: the FCG restricted to them,
@@ -71,24 +76,34 @@ impl CompatibilityGraph {
     }
 }
 
-/// `a_mn = max(0, 1 − δ_mn² / τ²)` off the diagonal.
-fn first_order(pairs: &PointPairs, tolerance: f64) -> DMatrix<f64> {
-    let size = pairs.len();
-    let (target, source) = (Axes::new(pairs.target()), Axes::new(pairs.source()));
-    let scale = 1.0 / (tolerance * tolerance);
-    let mut fcg = DMatrix::zeros(size, size);
-    let mut source_distances = vec![0.0; size];
-    for (m, column) in fcg.as_mut_slice().chunks_exact_mut(size.max(1)).enumerate() {
-        let (below, source_distances) = (&mut column[m + 1..], &mut source_distances[m + 1..]);
-        target.distances_to_following(m, below);
-        source.distances_to_following(m, source_distances);
-        for (entry, source_distance) in below.iter_mut().zip(source_distances) {
-            let discrepancy = *entry - *source_distance;
-            *entry = (1.0 - discrepancy * discrepancy * scale).max(0.0);
+/// `a_mn = max(0, 1 − δ_mn² / τ²)` off the diagonal, in the widest vectors that the machine has.
+struct FirstOrder {
+    target: Axes,
+    source: Axes,
+    tolerance: f64,
+}
+
+impl NullaryFnOnce for FirstOrder {
+    type Output = DMatrix<f64>;
+
+    #[inline(always)]
+    fn call(self) -> DMatrix<f64> {
+        let size = self.target.x.len();
+        let scale = 1.0 / (self.tolerance * self.tolerance);
+        let mut fcg = DMatrix::zeros(size, size);
+        let mut source_distances = vec![0.0; size];
+        for (m, column) in fcg.as_mut_slice().chunks_exact_mut(size.max(1)).enumerate() {
+            let (below, source_distances) = (&mut column[m + 1..], &mut source_distances[m + 1..]);
+            self.target.distances_to_following(m, below);
+            self.source.distances_to_following(m, source_distances);
+            for (entry, source_distance) in below.iter_mut().zip(source_distances) {
+                let discrepancy = *entry - *source_distance;
+                *entry = (1.0 - discrepancy * discrepancy * scale).max(0.0);
+            }
         }
+        fcg.fill_upper_triangle_with_lower_triangle();
+        fcg
     }
-    fcg.fill_upper_triangle_with_lower_triangle();
-    fcg
 }
 
 /// `b_mn = a_mn Σ_l a_ml a_ln`.
@@ -134,6 +149,7 @@ impl Axes {
     }
 
     /// Distances of point `m` to the points after it.
+    #[inline(always)]
     fn distances_to_following(&self, m: usize, distances: &mut [f64]) {
         let (x, y, z) = (self.x[m], self.y[m], self.z[m]);
         let others = self.x[m + 1..]

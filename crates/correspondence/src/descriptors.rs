@@ -12,6 +12,8 @@
 pub struct Descriptors {
     values: Vec<f32>,
     dimension: usize,
+    /// Squared norm of each row.
+    squared_norms: Vec<f32>,
 }
 
 /// Why a list of numbers is no set of descriptors.
@@ -55,7 +57,19 @@ impl Descriptors {
         }
         match values.iter().position(|v| !v.is_finite()) {
             Some(k) => Err(DescriptorsError::NotFinite { row: k / dimension }),
-            None => Ok(Self { values, dimension }),
+            None => Ok(Self::of_finite(values, dimension)),
+        }
+    }
+
+    fn of_finite(values: Vec<f32>, dimension: usize) -> Self {
+        let origin = vec![0.0; dimension];
+        let rows = values.chunks_exact(dimension);
+        Self {
+            squared_norms: rows
+                .map(|row| squared_distance(row, &origin) as f32)
+                .collect(),
+            values,
+            dimension,
         }
     }
 
@@ -92,15 +106,22 @@ impl Descriptors {
         self.values.chunks_exact(self.dimension)
     }
 
+    /// Squared norms of the descriptors, rounded from `f64`.
+    pub(crate) fn squared_norms(&self) -> &[f32] {
+        &self.squared_norms
+    }
+
     /// The descriptors at `indices`, in that order.
     ///
     /// # Panics
     /// If an index is [`len`](Self::len) or more.
     pub fn select(&self, indices: &[usize]) -> Self {
         let rows = indices.iter().flat_map(|&k| self.row(k));
+        let norms = indices.iter().map(|&k| self.squared_norms[k]);
         Self {
             values: rows.copied().collect(),
             dimension: self.dimension,
+            squared_norms: norms.collect(),
         }
     }
 }
@@ -110,6 +131,7 @@ impl Descriptors {
 const LANES: usize = 8;
 
 /// Squared Euclidean distance of two rows of equal length, in `f64`.
+#[inline(always)]
 pub(crate) fn squared_distance(a: &[f32], b: &[f32]) -> f64 {
     let mut sums = [0.0; LANES];
     let (a_blocks, b_blocks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));

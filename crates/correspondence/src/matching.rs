@@ -1,6 +1,7 @@
 use std::cmp::Ordering::Greater;
 
 use faer::linalg::matmul::matmul;
+use faer::traits::pulp::{Arch, NullaryFnOnce};
 use faer::{Accum, MatMut, MatRef, Par};
 use gmpcr_geometry::{PairsError, PointPairs};
 
@@ -96,11 +97,13 @@ pub fn match_descriptors(a: &Descriptors, b: &Descriptors) -> Result<Vec<Match>,
     }
     let approximate = ApproximateDistances::new(a, b);
     let exact = |i: usize, j: usize| squared_distance(a.row(i), b.row(j));
-    let nearest_in_a = approximate.nearest_in_a(exact);
-    let nearest_in_b = approximate.nearest_in_b(exact);
+    let (nearest_in_a, nearest_in_b) = Arch::new().dispatch(Search {
+        distances: &approximate,
+        exact,
+    });
     let mut matches: Vec<Match> = (0..a.len())
-        .map(|i| (i, nearest_in_b[i]))
-        .filter(|&(i, j)| nearest_in_a[j] == i)
+        .map(|i| (i, nearest_in_b[i].index))
+        .filter(|&(i, j)| nearest_in_a[j].index == i)
         .map(|(i, j)| Match {
             i,
             j,
@@ -115,15 +118,14 @@ pub fn match_descriptors(a: &Descriptors, b: &Descriptors) -> Result<Vec<Match>,
 struct ApproximateDistances {
     /// Column by column, that is per row of `b`: its distances to all rows of `a`.
     columns: Vec<f32>,
-    /// Rows of `a`.
-    num_rows: usize,
-    /// Two entries that differ by more than this are in the order of the exact distances.
-    resolution: f32,
+    /// For each row of `a`, what the distance of the nearest row of `b` does not exceed.
+    row_limits: Vec<f32>,
+    /// The same for each row of `b`.
+    column_limits: Vec<f32>,
 }
 
 impl ApproximateDistances {
     fn new(a: &Descriptors, b: &Descriptors) -> Self {
-        let (a_norms, b_norms) = (squared_norms(a), squared_norms(b));
         let mut columns = vec![0.0; a.len() * b.len()];
         let product = MatMut::from_column_major_slice_mut(&mut columns, a.len(), b.len());
         let (a_rows, b_rows) = (as_matrix(a), as_matrix(b));
@@ -135,49 +137,102 @@ impl ApproximateDistances {
             -2.0,
             Par::Seq,
         );
-        for (column, &b_norm) in columns.chunks_exact_mut(a.len()).zip(&b_norms) {
-            for (entry, &a_norm) in column.iter_mut().zip(&a_norms) {
+        let mut distances = Self {
+            columns,
+            row_limits: vec![f32::INFINITY; a.len()],
+            column_limits: vec![f32::INFINITY; b.len()],
+        };
+        Arch::new().dispatch(AddNorms {
+            distances: &mut distances,
+            a_norms: a.squared_norms(),
+            b_norms: b.squared_norms(),
+        });
+        let resolution = resolution(a.dimension(), a.squared_norms(), b.squared_norms());
+        let limits = distances
+            .row_limits
+            .iter_mut()
+            .chain(&mut distances.column_limits);
+        limits.for_each(|limit| *limit += resolution);
+        distances
+    }
+}
+
+/// Makes squared distances of products, and finds the smallest of each row and column.
+struct AddNorms<'a> {
+    distances: &'a mut ApproximateDistances,
+    a_norms: &'a [f32],
+    b_norms: &'a [f32],
+}
+
+impl NullaryFnOnce for AddNorms<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let ApproximateDistances {
+            columns,
+            row_limits,
+            column_limits,
+        } = self.distances;
+        let columns = columns.chunks_exact_mut(self.a_norms.len());
+        for ((column, &b_norm), limit) in columns.zip(self.b_norms).zip(column_limits) {
+            // Three loops, as the compiler makes vector instructions of each.
+            for (entry, a_norm) in column.iter_mut().zip(self.a_norms) {
                 *entry += a_norm + b_norm;
             }
-        }
-        Self {
-            columns,
-            num_rows: a.len(),
-            resolution: resolution(a.dimension(), &a_norms, &b_norms),
-        }
-    }
-
-    fn columns(&self) -> impl ExactSizeIterator<Item = &[f32]> {
-        self.columns.chunks_exact(self.num_rows)
-    }
-
-    /// The row of `a` that is nearest to each row of `b`, by the `exact` squared distance.
-    fn nearest_in_a(&self, exact: impl Fn(usize, usize) -> f64) -> Vec<usize> {
-        let mut nearest = vec![Nearest::NONE; self.columns().len()];
-        let mut limits = vec![0.0; self.num_rows];
-        for (j, column) in self.columns().enumerate() {
-            limits.fill(smallest(column) + self.resolution);
-            for_each_within(column, &limits, |i| nearest[j].compare(i, |i| exact(i, j)));
-        }
-        nearest.iter().map(|nearest| nearest.index).collect()
-    }
-
-    /// The row of `b` that is nearest to each row of `a`, by the `exact` squared distance.
-    fn nearest_in_b(&self, exact: impl Fn(usize, usize) -> f64) -> Vec<usize> {
-        let mut limits = vec![f32::INFINITY; self.num_rows];
-        for column in self.columns() {
-            for (limit, &entry) in limits.iter_mut().zip(column) {
+            for (limit, &entry) in row_limits.iter_mut().zip(&*column) {
                 *limit = lesser(*limit, entry);
             }
+            *limit = smallest(column);
         }
-        limits
-            .iter_mut()
-            .for_each(|limit| *limit += self.resolution);
-        let mut nearest = vec![Nearest::NONE; self.num_rows];
-        for (j, column) in self.columns().enumerate() {
-            for_each_within(column, &limits, |i| nearest[i].compare(j, |j| exact(i, j)));
+    }
+}
+
+/// Finds the row of `a` that is nearest to each row of `b` by the `exact` squared distance, and the row
+/// of `b` that is nearest to each row of `a`.
+struct Search<'a, Exact> {
+    distances: &'a ApproximateDistances,
+    exact: Exact,
+}
+
+impl<Exact: Fn(usize, usize) -> f64> NullaryFnOnce for Search<'_, Exact> {
+    type Output = (Vec<Nearest>, Vec<Nearest>);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let ApproximateDistances {
+            columns,
+            row_limits,
+            column_limits,
+        } = self.distances;
+        let mut nearest_in_a = vec![Nearest::NONE; column_limits.len()];
+        let mut nearest_in_b = vec![Nearest::NONE; row_limits.len()];
+        let columns = columns.chunks_exact(row_limits.len());
+        for (j, (column, &column_limit)) in columns.zip(column_limits).enumerate() {
+            let mut compare = |i: usize| {
+                if is_within(column[i], column_limit) {
+                    nearest_in_a[j].compare(i, |i| (self.exact)(i, j));
+                }
+                if is_within(column[i], row_limits[i]) {
+                    nearest_in_b[i].compare(j, |j| (self.exact)(i, j));
+                }
+            };
+            let (blocks, rest) = column.as_chunks::<LANES>();
+            let (limits, _) = row_limits.as_chunks::<LANES>();
+            for (k, (entries, limits)) in blocks.iter().zip(limits).enumerate() {
+                if !any_within(entries, limits, column_limit) {
+                    continue;
+                }
+                for lane in 0..LANES {
+                    let limit = greater(limits[lane], column_limit);
+                    if is_within(entries[lane], limit) {
+                        compare(k * LANES + lane);
+                    }
+                }
+            }
+            (column.len() - rest.len()..column.len()).for_each(compare);
         }
-        nearest.iter().map(|nearest| nearest.index).collect()
+        (nearest_in_a, nearest_in_b)
     }
 }
 
@@ -211,43 +266,52 @@ impl Nearest {
     }
 }
 
-/// Entries that are looked at together, as vector registers.
-const BLOCK: usize = 16;
+/// Entries that are looked at together, as a vector register.
+const LANES: usize = 16;
 
-/// The smallest entry; NaN does not count.
-fn smallest(entries: &[f32]) -> f32 {
-    let mut smallest = [f32::INFINITY; BLOCK];
-    for block in entries.chunks(BLOCK) {
-        for (smallest, &entry) in smallest.iter_mut().zip(block) {
-            *smallest = lesser(*smallest, entry);
-        }
-    }
-    smallest.into_iter().fold(f32::INFINITY, lesser)
-}
-
-/// `f32::min` in the form of the machine's instruction.
+/// `f32::min` in the form of the machine's instruction; NaN in `b` does not count.
+#[inline(always)]
 fn lesser(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
 }
 
-/// Entries that are passed over together where none of them is within its limit.
-const SPAN: usize = 64;
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if b > a { b } else { a }
+}
 
-/// Visits the positions of the entries that do not exceed their limits, NaN included.
-fn for_each_within(entries: &[f32], limits: &[f32], mut visit: impl FnMut(usize)) {
-    let is_within = |(entry, limit): (&f32, &f32)| {
-        let is_greater = matches!(entry.partial_cmp(limit), Some(Greater));
-        !is_greater
-    };
-    let spans = entries.chunks(SPAN).zip(limits.chunks(SPAN));
-    for (k, (entries, limits)) in spans.enumerate() {
-        let pairs = || entries.iter().zip(limits);
-        // Without an early exit this loop becomes vector instructions.
-        if pairs().fold(false, |any, pair| any | is_within(pair)) {
-            let positions = pairs().enumerate().filter(|&(_, pair)| is_within(pair));
-            positions.for_each(|(offset, _)| visit(k * SPAN + offset));
+/// The smallest entry; NaN does not count.
+#[inline(always)]
+fn smallest(entries: &[f32]) -> f32 {
+    let (blocks, rest) = entries.as_chunks::<LANES>();
+    let mut least = [f32::INFINITY; LANES];
+    for block in blocks {
+        for lane in 0..LANES {
+            least[lane] = lesser(least[lane], block[lane]);
         }
     }
+    let mut smallest = f32::INFINITY;
+    for &entry in least.iter().chain(rest) {
+        smallest = lesser(smallest, entry);
+    }
+    smallest
+}
+
+/// Whether an entry is within its row's limit or the column's.
+#[inline(always)]
+fn any_within(entries: &[f32; LANES], row_limits: &[f32; LANES], column_limit: f32) -> bool {
+    let mut any = false;
+    // Without an early exit this loop becomes vector instructions.
+    for lane in 0..LANES {
+        any |= is_within(entries[lane], greater(row_limits[lane], column_limit));
+    }
+    any
+}
+
+/// Whether an entry does not exceed a limit; NaN, which an overflow made, might.
+#[inline(always)]
+fn is_within(entry: f32, limit: f32) -> bool {
+    !matches!(entry.partial_cmp(&limit), Some(Greater))
 }
 
 /// Twice the largest rounding error of an entry.
@@ -260,12 +324,6 @@ fn resolution(dimension: usize, a_norms: &[f32], b_norms: &[f32]) -> f32 {
     let largest = |norms: &[f32]| norms.iter().copied().fold(0.0, f32::max);
     let scale = largest(a_norms) + largest(b_norms);
     2.0 * 4.0 * (dimension as f32 + 4.0) * (f32::EPSILON / 2.0 * scale + f32::MIN_POSITIVE)
-}
-
-fn squared_norms(descriptors: &Descriptors) -> Vec<f32> {
-    let origin = vec![0.0; descriptors.dimension()];
-    let norm = |row: &[f32]| squared_distance(row, &origin) as f32;
-    descriptors.rows().map(norm).collect()
 }
 
 fn as_matrix(descriptors: &Descriptors) -> MatRef<'_, f32> {

@@ -116,10 +116,11 @@ pub(crate) fn smallest_eigenvectors(
         }
         filter.move_closer(matrix, &ritz, error);
     }
-    if ritz.residual() > ACCEPTABLE * scale && matrix.size() <= DENSE_LIMIT {
-        if let Some(exact) = dense_eigenvectors(matrix, wanted) {
-            return exact;
-        }
+    if ritz.residual() > ACCEPTABLE * scale
+        && matrix.size() <= DENSE_LIMIT
+        && let Some(exact) = dense_eigenvectors(matrix, wanted)
+    {
+        return exact;
     }
     ritz.into_eigenspace(scale, filter.shift())
 }
@@ -281,7 +282,7 @@ impl Ritz {
             self.vectors.columns(0, self.num_wanted()),
             before.columns(0, self.num_wanted()),
         );
-        let moved = &now - before * before.tr_mul(&now);
+        let moved = now - before * before.tr_mul(&now);
         let rows = moved.row_iter().zip(now.row_iter());
         let squares = rows.map(|(moved, now)| moved.norm_squared() / now.norm_squared());
         squares.fold(0.0, f64::max).sqrt()
