@@ -480,14 +480,15 @@ fn scans_that_come_and_go_are_registered_as_if_they_had_come_at_once() {
 
 #[test]
 fn scans_that_come_and_go_have_the_pairs_retrieved_that_they_would_have_had_at_once() {
-    let mut params = Params::default();
-    params.retrieval = RetrievalParams {
-        min_scans: 5,
-        candidates_per_scan: 2,
-        expansions: 2,
-        candidates_per_expansion: 1,
-    };
-    come_and_go(params);
+    come_and_go(Params {
+        retrieval: RetrievalParams {
+            min_scans: 5,
+            candidates_per_scan: 2,
+            expansions: 2,
+            candidates_per_expansion: 1,
+        },
+        ..Params::default()
+    });
 }
 
 fn come_and_go(params: Params) {

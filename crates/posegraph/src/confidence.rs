@@ -119,22 +119,21 @@ impl PairConfidences {
     ///
     /// Each scan selects its `k` neighbours of highest confidence (ties: lower neighbour index); a
     /// pair that either scan selects is kept. Pairs of zero confidence are never selected, so that
-    /// a scan may have fewer neighbours, or none. `O(P log P)` for `P` pairs.
+    /// a scan may have fewer neighbours, or none. `O(P)` for `P` pairs.
     pub fn top_k_union(&self, k: usize) -> Vec<usize> {
         let mut neighborhoods = vec![Vec::new(); self.num_scans];
         for (position, pair) in self.pairs.iter().enumerate() {
             if pair.raw_confidence > 0.0 {
-                neighborhoods[pair.i].push((pair.j, position));
-                neighborhoods[pair.j].push((pair.i, position));
+                neighborhoods[pair.i].push((pair.raw_confidence, pair.j, position));
+                neighborhoods[pair.j].push((pair.raw_confidence, pair.i, position));
             }
         }
         let mut selected = vec![false; self.pairs.len()];
         for mut neighbors in neighborhoods {
-            neighbors.sort_by(|&(a, p), &(b, q)| {
-                let [p, q] = [p, q].map(|position| self.pairs[position].raw_confidence);
-                q.total_cmp(&p).then(a.cmp(&b))
-            });
-            for &(_, position) in neighbors.iter().take(k) {
+            if k < neighbors.len() {
+                neighbors.select_nth_unstable_by(k, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            }
+            for &(_, _, position) in neighbors.iter().take(k) {
                 selected[position] = true;
             }
         }
