@@ -318,7 +318,7 @@ const KEYS: &[Key] = &[
     ),
     key(
         "retrieval.min_scans",
-        "So many scans or more have only the most promising pairs scored, fewer have all.",
+        "So many scans or more have promising pairs scored only, fewer have all. 0 always retrieves.",
         Access::Count(|config| &mut config.params.retrieval.min_scans),
     ),
     key(

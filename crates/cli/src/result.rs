@@ -40,7 +40,7 @@ pub struct ResultFile {
     /// Normalised confidences of all pairs: (0, 1), (0, 2), …, (1, 2), …; zero for those that retrieval
     /// left out.
     pub confidences: Vec<f64>,
-    /// The same before they were divided by the largest.
+    /// The same before they were divided by their norm.
     pub raw_confidences: Vec<f64>,
     /// How the synchronisation of each component went.
     pub synchronization: Vec<SynchronizationResult>,
@@ -338,4 +338,26 @@ fn stages(input: &DescribedScans, registration: &Registration) -> Vec<StageResul
             seconds: time.as_secs_f64(),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may fail")]
+
+    use gmpcr::posegraph::ScoredPair;
+
+    use super::*;
+
+    #[test]
+    fn scored_pairs_stand_where_they_belong_among_all() {
+        let scored = [(0, 2, 1.0), (1, 3, 2.0), (2, 3, 4.0)];
+        let scored = scored.map(|(i, j, raw_confidence)| ScoredPair {
+            i,
+            j,
+            raw_confidence,
+        });
+        let scored = PairConfidences::new(4, scored.to_vec()).unwrap();
+        let all = of_all_pairs(&scored, &[1.0, 2.0, 4.0]);
+        assert_eq!(all, [0.0, 1.0, 0.0, 0.0, 2.0, 4.0]);
+    }
 }

@@ -6,7 +6,7 @@ pub enum Stage {
     /// Farthest-point sampling; its items are scans.
     Sampling,
     /// Matching and scoring; its items are pairs of scans. It begins again for each round of pairs where they
-    /// are retrieved.
+    /// are retrieved; the retrieval itself has no items.
     Scoring,
     /// Choice of the edges, one item.
     Selection,

@@ -4,8 +4,9 @@ use crate::{Error, Observer, Params, Registration, Registry};
 
 /// Registers scans: one pose per scan, consistent over all of them, with the evidence.
 ///
-/// The pipeline of the paper, stage by stage; each stage is a crate of its own. `O(N²)` pairs are
-/// scored, at most `N K` of them get a pose. Memory holds the keypoints, one confidence per pair
+/// The pipeline of the paper, stage by stage; each stage is a crate of its own. `N (N − 1) / 2` pairs
+/// are scored, or from [`retrieval.min_scans`](gmpcr_retrieval::RetrievalParams::min_scans) scans on `O(N)`
+/// retrieved ones; at most `N K` of them get a pose. Memory holds the keypoints, one confidence per pair
 /// and one motion per edge.
 ///
 /// Scans that share no reliable pair stay in components of their own; a single scan, and a scan

@@ -20,7 +20,8 @@ pub struct Registration {
     pub evidence: Vec<EdgeEvidence>,
     /// Pairs that were selected, but whose cliques determine no motion that a match supports.
     pub unresolved: Vec<UnresolvedPair>,
-    /// Confidences of all scan pairs.
+    /// Confidences of the scored pairs: all, or those that were retrieved where there are
+    /// [`retrieval.min_scans`](gmpcr_retrieval::RetrievalParams::min_scans) scans or more.
     pub confidences: PairConfidences,
     /// Connectivity of `graph`, the reference being scan 0.
     pub connectivity: Connectivity,
@@ -116,7 +117,7 @@ pub struct UnresolvedPair {
 pub struct StageTimes {
     /// Farthest-point sampling of all scans.
     pub sampling: Duration,
-    /// Matching and scoring of all pairs.
+    /// Retrieval, matching and scoring of pairs.
     pub scoring: Duration,
     /// Choice of the edges.
     pub selection: Duration,

@@ -4,6 +4,7 @@
 
 use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
 use std::sync::Mutex;
+use std::time::Duration;
 
 use gmpcr::retrieval::RetrievalParams;
 use gmpcr::{
@@ -600,8 +601,11 @@ fn what_cannot_be_added_leaves_a_registry_as_it_was() {
         let outcome = registry.registration(&impatient(patience));
         assert!(matches!(outcome, Err(Error::Cancelled { .. })));
     }
+    let registration = registry.registration(&()).unwrap();
+    // The scores were kept, and so was the time that they took.
+    assert!(registration.times.scoring > Duration::ZERO);
     assert_same(
-        &registry.registration(&()).unwrap(),
+        &registration,
         &register(&scans[..6], &Params::default()).unwrap(),
     );
 }

@@ -41,8 +41,9 @@
 //! # Cost
 //! For `N` scans of `n` descriptors of dimension `d`: a row takes part in 8 trees with leaves of at most
 //! 64 rows, so that less than `8 · 63 / 2 · N n` distances are computed, and the trees take
-//! `O(N n (d + 1) log(N n))`: as good as linear in the number of scans. A round of neighbours takes
-//! `O(N k²)` with `k` neighbours asked. What is left to score are at most
+//! `O(N n (d + 1) log(N n))`: as good as linear in the number of scans. Counting votes touches `N²` small
+//! numbers (4 ms for 400 scans). A round of neighbours takes `O(P log P + N k² log k)` with `P` pairs scored and
+//! `k` neighbours asked. What is left to score are at most
 //! `N (candidates_per_scan + expansions · candidates_per_expansion)` pairs.
 
 mod further;

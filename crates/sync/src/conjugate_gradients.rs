@@ -33,7 +33,8 @@ pub(crate) fn conjugate_gradients(
     let mut size = dot(&residual, &direction);
     let enough = tolerance * tolerance * size;
     for _ in 0..MAX_ITERATIONS {
-        if size <= enough {
+        // Not a number means that the matrix is singular in floating point.
+        if size <= enough || size.is_nan() {
             break;
         }
         let image = system.multiply(&direction);

@@ -8,6 +8,8 @@ pub(crate) trait SemidefiniteMatrix {
     fn size(&self) -> usize;
     /// A number of the order of the largest eigenvalue.
     fn scale(&self) -> f64;
+    /// An upper bound of the eigenvalues.
+    fn upper_bound(&self) -> f64;
     /// `A X`.
     fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64>;
     /// Factors `A − shift I`. It fails, without harm, where the shift is above the smallest eigenvalue or
@@ -42,7 +44,8 @@ impl Eigenspace {
     }
 }
 
-/// Further vectors iterated along: `k` wanted ones converge at the rate of `λ_k / λ_{k+4}`.
+/// Further vectors iterated along, so that the filter need not part the wanted ones from their next
+/// neighbours.
 const GUARD: usize = 3;
 /// Error of each row of the wanted vectors, relative to that row, at which the search stops: weak parts of a
 /// graph have rows that are smaller than others by many decades, and rotations all the same.
@@ -51,7 +54,7 @@ const TOLERANCE: f64 = 1e-9;
 const SMALL_RESIDUAL: f64 = 1e-13;
 /// A filter that leaves more than this share of the residual gains nothing any more.
 const STALL: f64 = 0.25;
-/// A residual that rounding keeps above the tolerance is as good as it gets below this.
+/// Residual, in units of the scale, that a solution has at most.
 const ACCEPTABLE: f64 = 1e-11;
 /// Filters that must halve the residual, or the search gives up: so many eigenvalues nearly coincide
 /// that it would take hundreds.
@@ -151,7 +154,7 @@ impl Filter {
             too_high = shift;
         }
         Self::Direct {
-            largest: 2.0 * scale,
+            largest: matrix.upper_bound(),
         }
     }
 
@@ -334,7 +337,8 @@ fn dense_eigenvectors(matrix: &impl SemidefiniteMatrix, wanted: usize) -> Option
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
     order.truncate(wanted + GUARD);
     let vectors = eigen.eigenvectors.select_columns(&order);
-    Some(rayleigh_ritz(matrix, wanted, vectors).into_eigenspace(matrix.scale(), 0.0))
+    let scale = matrix.scale();
+    Some(rayleigh_ritz(matrix, wanted, vectors).into_eigenspace(scale, LOWEST_SHIFT * scale))
 }
 
 /// `start` with columns cut or added to make `columns` of them.
@@ -448,6 +452,55 @@ mod tests {
                 distance(&found.vectors, &dense.vectors) < 1e-8,
                 "{num_nodes} nodes"
             );
+        }
+    }
+
+    /// A matrix that cannot be factored.
+    struct Unfactored<M>(M);
+
+    impl<M: SemidefiniteMatrix> SemidefiniteMatrix for Unfactored<M> {
+        fn size(&self) -> usize {
+            self.0.size()
+        }
+
+        fn scale(&self) -> f64 {
+            self.0.scale()
+        }
+
+        fn upper_bound(&self) -> f64 {
+            self.0.upper_bound()
+        }
+
+        fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+            self.0.multiply(x)
+        }
+
+        fn factorize(&mut self, _shift: f64) -> Result<(), Unfactorable> {
+            Err(Unfactorable)
+        }
+
+        fn solve_in_place(&mut self, _x: &mut DMatrix<f64>) {
+            unreachable!("there is no factor")
+        }
+
+        fn to_dense(&self) -> DMatrix<f64> {
+            self.0.to_dense()
+        }
+    }
+
+    #[test]
+    fn polynomials_of_the_matrix_find_the_space_without_a_factor() {
+        // Beyond the limit of the full decomposition.
+        for noise in [0.0, 0.1] {
+            let graph = graph(DENSE_LIMIT, noise);
+            let mut laplacian = ConnectionLaplacian::new(&graph);
+            laplacian.set_weights(&vec![0.7; graph.measurements.len()]);
+            let start = DMatrix::from_element(3 * DENSE_LIMIT, 1, 1.0);
+            let start = Eigenspace::guess(start);
+            let factored = smallest_eigenvectors(&mut laplacian, 3, &start);
+            let free = smallest_eigenvectors(&mut Unfactored(laplacian), 3, &factored);
+            assert!(free.residual < 1e-10, "{}", free.residual);
+            assert!(distance(&free.vectors, &factored.vectors) < 1e-6);
         }
     }
 

@@ -192,17 +192,37 @@ impl SemidefiniteMatrix for MotionMatrix {
         diagonal.fold(0.0, f64::max)
     }
 
+    /// `‖B‖₁ ‖B‖_∞`.
+    fn upper_bound(&self) -> f64 {
+        let mut column_sums = vec![0.0; self.size()];
+        let mut row_sums = vec![0.0; self.size()];
+        for arc in &self.arcs {
+            for row in 0..4 {
+                column_sums[4 * arc.a + row] += arc.weight;
+                row_sums[4 * arc.a + row] += arc.weight;
+                for column in 0..4 {
+                    let entry = arc.weight * arc.a_from_b[(row, column)].abs();
+                    column_sums[4 * arc.b + column] += entry;
+                    row_sums[4 * arc.a + row] += entry;
+                }
+            }
+        }
+        let largest = |sums: Vec<f64>| sums.into_iter().fold(0.0, f64::max);
+        largest(column_sums) * largest(row_sums)
+    }
+
     fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         self.transposed_differences(&self.differences(x))
     }
 
     fn factorize(&mut self, shift: f64) -> Result<(), Unfactorable> {
+        let size = self.size();
+        let cholesky = self.cholesky.as_mut().ok_or(Unfactorable)?;
         let mut values = self.values.clone();
-        for &start in &self.column_starts[..self.size()] {
+        for &start in &self.column_starts[..size] {
             values[start] -= shift;
         }
         self.shift = shift;
-        let cholesky = self.cholesky.as_mut().ok_or(Unfactorable)?;
         cholesky.factorize(&values)
     }
 
@@ -300,6 +320,8 @@ mod tests {
         let x = DMatrix::from_fn(20, 2, |row, column| ((row * 2 + column) as f64).sin());
         let dense = matrix.to_dense();
         assert!((matrix.multiply(&x) - &dense * &x).norm() < 1e-11);
+        let largest = dense.symmetric_eigenvalues().max();
+        assert!(largest <= matrix.upper_bound());
 
         let shift = -0.01;
         matrix.factorize(shift).unwrap();

@@ -65,6 +65,10 @@ impl SemidefiniteMatrix for ConnectionLaplacian<'_> {
         self.degrees.iter().copied().fold(0.0, f64::max)
     }
 
+    fn upper_bound(&self) -> f64 {
+        2.0 * self.scale()
+    }
+
     /// `L X`, from the differences along the edges, which lose nothing where `X` solves `L X = 0`.
     fn multiply(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         let mut product = DMatrix::zeros(x.nrows(), x.ncols());
@@ -84,10 +88,10 @@ impl SemidefiniteMatrix for ConnectionLaplacian<'_> {
     }
 
     fn factorize(&mut self, shift: f64) -> Result<(), Unfactorable> {
+        let cholesky = self.cholesky.as_mut().ok_or(Unfactorable)?;
         let values = self
             .layout
             .values(self.graph, &self.weights, &self.degrees, shift);
-        let cholesky = self.cholesky.as_mut().ok_or(Unfactorable)?;
         cholesky.factorize(&values)
     }
 

@@ -25,8 +25,8 @@
 //! Every system is sparse and factored by faer's Cholesky decomposition, whose ordering is found once for
 //! all iterations: thousands of poses take seconds. Where the factor would have more than 128 numbers for
 //! each of the matrix, as in graphs of thousands of scans joined at random, conjugate gradients and
-//! polynomials of the matrix take its place, so that memory is linear in the edges. Nothing here is
-//! random, threaded or global: the same graph gives the same bits.
+//! polynomials of the matrix take its place, so that memory is linear in the edges ([`Method::EigSe3`],
+//! whose matrix joins neighbours of neighbours, needs `Σ deg²`). Nothing here is random, threaded or global: the same graph gives the same bits.
 
 mod averaging;
 mod cholesky;

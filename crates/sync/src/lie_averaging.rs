@@ -8,7 +8,8 @@ use crate::{Iteration, RobustLoss, SyncParams, Update};
 
 /// Steps of one weighted average.
 const MAX_STEPS: usize = 20;
-/// Error of a step, relative to the step, where it is iterated: later steps make up for it.
+/// Residual of the equations of a step, relative to their right-hand side, where they are solved by
+/// iteration: later steps make up for it.
 const STEP_ACCURACY: f64 = 1e-2;
 /// Mean step (radians) at which a weighted average has converged.
 const STEP_TOLERANCE: f64 = 1e-9;

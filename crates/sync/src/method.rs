@@ -57,8 +57,8 @@ pub enum Method {
     /// matter.
     ///
     /// All edges are trusted: there are no iterations, and a few wrong edges spoil all poses. The
-    /// singular vectors are found as eigenvectors of the normal matrix, by block inverse iteration
-    /// with refined solves. Its pattern joins each scan with the neighbours of its neighbours,
+    /// singular vectors are found as eigenvectors of the normal matrix, by filtered block
+    /// iteration with refined solves. Its pattern joins each scan with the neighbours of its neighbours,
     /// and its gaps are the squares of small numbers in graphs of large diameter: there noise tells
     /// more than in the other methods.
     EigSe3,

@@ -62,7 +62,7 @@ pub struct Iteration {
 ///
 /// Every connected component is synchronised on its own, in the frame of its lowest scan. After the
 /// last of the `L` weight updates, rotations and translations are solved once more. Cost per
-/// iteration: one sparse factorisation of a `3N × 3N` matrix and a few block solves, more where
+/// iteration: one or two sparse factorisations of a `3N × 3N` matrix and ten to thirty block solves, more where
 /// eigenvalues nearly coincide. Residuals and weights of every iteration are returned: 16 bytes per
 /// edge and iteration.
 ///

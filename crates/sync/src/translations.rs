@@ -15,7 +15,8 @@ const TOLERANCE: f64 = 1e-10;
 /// Translations under given rotations: `argmin Σ w_ij ‖R_i t̂_ij + t_i − t_j‖²`.
 ///
 /// Scan 0 has the zero translation, which leaves a sparse positive definite system in the other
-/// scans, solved by Cholesky decomposition for the three axes at once. The unknowns are the
+/// scans, solved for the three axes at once by Cholesky decomposition, or by conjugate gradients where its
+/// factor would fill up (to a relative residual of 1e-10, in 1000 iterations at most). The unknowns are the
 /// corrections to the positions along a spanning tree of maximal weight: these are small where the
 /// measurements agree, so that parts joined by weak edges keep their digits. Lengths keep the unit of
 /// the input. `weights` holds one weight per edge of `graph`, `world_from_scan` one rotation per scan.

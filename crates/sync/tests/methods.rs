@@ -239,17 +239,43 @@ fn two_thousand_poses_are_exact() {
     }
 }
 
+/// The factors of such a graph would fill up, so that it is solved without.
+#[test]
+fn a_large_graph_joined_at_random_is_exact() {
+    let (poses, graph) = simulated(&PoseGraphSimParams {
+        num_scans: 4000,
+        degree: 8.0,
+        rotation_noise: 0.0,
+        translation_noise: 0.0,
+        ..PoseGraphSimParams::default()
+    });
+    for name in ["adaptive", "l1", "consensus"] {
+        let params = SyncParams {
+            iterations: 1,
+            method: name.parse().unwrap(),
+            ..SyncParams::default()
+        };
+        let result = synchronize(&graph, &params);
+        assert!(result.reports[0].eigen_residual < 1e-11, "{name}");
+        let error = error(&result, &poses);
+        assert!(error < 1e-6, "{name}: {error}");
+    }
+}
+
 /// 50 scans, ten edges at each, noise of 2° and 5 cm, and a share of uniformly random edges.
 fn random_graph(outlier_share: f64, seed: u64) -> (Vec<Isometry3<f64>>, PoseGraph) {
-    let params = PoseGraphSimParams {
+    simulated(&PoseGraphSimParams {
         seed,
         outlier_share,
         ..PoseGraphSimParams::default()
-    };
+    })
+}
+
+fn simulated(params: &PoseGraphSimParams) -> (Vec<Isometry3<f64>>, PoseGraph) {
     let SimulatedPoseGraph {
         world_from_scan,
         edges,
-    } = simulate_pose_graph(&params).unwrap();
+    } = simulate_pose_graph(params).unwrap();
     let edges = edges.iter().map(|edge| PoseEdge {
         i: edge.i,
         j: edge.j,
