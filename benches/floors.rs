@@ -24,6 +24,8 @@
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod made;
+
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -36,10 +38,11 @@ use gmpcr::compatibility::{CompatibilityGraph, DominantEigenpair, Route, Spectra
 use gmpcr::correspondence::{
     Keypoints, correspondences, farthest_point_sampling, match_descriptors,
 };
-use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
+use gmpcr::nalgebra::Vector3;
 use gmpcr::posegraph::{PairConfidences, ScoredPair};
 use gmpcr::{Descriptors, Params, Scan};
 use gmpcr_io::{descriptor_files, read_overlaps};
+use made::{descriptors, half_right_pairs, scattered};
 
 fn main() {
     let processor = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
@@ -231,26 +234,6 @@ fn scored([a, b]: [&Keypoints; 2], params: &Params) -> (PointPairs, SpectralFilt
     let pairs = correspondences(a, b, params.correspondence.max_correspondences).unwrap();
     let filter = SpectralFilter::new(&pairs, &params.compatibility);
     (pairs, filter)
-}
-
-/// A fixed number in (−1, 1) that looks random.
-fn scattered(k: usize) -> f64 {
-    let x = (k as f64 + 1.0) * 0.754_877_666_246_692_7;
-    2.0 * (x * x * 91.7).fract() - 1.0
-}
-
-fn descriptors(num_rows: usize, dimension: usize, salt: usize) -> Descriptors {
-    let values = (0..num_rows * dimension).map(|k| scattered(k + salt) as f32);
-    Descriptors::new(values.collect(), dimension).unwrap()
-}
-
-/// Correspondences of a motion, of which every second is wrong.
-fn half_right_pairs(num_pairs: usize) -> PointPairs {
-    let motion = Isometry3::new(Vector3::new(1.0, 2.0, 0.5), Vector3::new(0.3, -0.2, 1.0));
-    let source = |k| Point3::from([0, 1, 2].map(|axis| 2.0 * scattered(3 * k + axis)));
-    let target = |k| [motion * source(k), source(k + 7919)][k % 2];
-    let target = (0..num_pairs).map(target).collect();
-    PointPairs::new(target, (0..num_pairs).map(source).collect()).unwrap()
 }
 
 /// Seconds of a run: the best of many, which other programs disturb least.

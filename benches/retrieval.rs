@@ -9,6 +9,8 @@
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod made;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -20,7 +22,7 @@ use gmpcr::posegraph::{PairConfidences, ScoredPair};
 use gmpcr::{Descriptors, Params, Scan, describe_clouds};
 use gmpcr_io::{descriptor_files, read_overlaps, read_points, scan_files};
 use gmpcr_retrieval::{RetrievalParams, candidate_pairs, further_pairs};
-use gmpcr_sim::{RoomParams, SimParams, overlap_matrix, simulate};
+use gmpcr_sim::{overlap_matrix, simulate};
 
 type Pair = (usize, usize);
 
@@ -82,20 +84,12 @@ fn main() {
 
 /// The scans of the benchmark `sizes`.
 fn simulated(name: String, num_scans: usize) -> Scene {
-    let room = RoomParams {
-        num_rooms: num_scans.div_ceil(50),
-        ..RoomParams::default()
-    };
-    let params = SimParams {
-        num_scans,
-        room,
-        ..SimParams::default()
-    };
+    let params = made::flat(num_scans);
     let simulated = simulate(&params).unwrap();
     let matrix = overlap_matrix(&simulated, 1.5 * params.voxel);
     Scene {
         name,
-        scans: describe_clouds(&simulated.clouds, &FeatureParams::default()).unwrap(),
+        scans: made::described(&simulated),
         overlaps: all_pairs(num_scans)
             .map(|pair| (pair, matrix[pair]))
             .collect(),

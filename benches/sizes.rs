@@ -8,44 +8,20 @@
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod made;
+
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use gmpcr::cliques::{BitGraph, PointPairs, for_each_maximal_clique, kabsch};
+use gmpcr::cliques::{BitGraph, for_each_maximal_clique, kabsch};
 use gmpcr::compatibility::{CompatibilityParams, SpectralFilter};
 use gmpcr::correspondence::{farthest_point_sampling, match_descriptors};
 use gmpcr::features::{FeatureParams, describe};
-use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
 use gmpcr::posegraph::{PairConfidences, PoseEdge, PoseGraph, ScoredPair};
 use gmpcr::sync::{SyncParams, synchronize};
-use gmpcr::{Descriptors, Params, Registry, describe_clouds, register};
-use gmpcr_sim::{PoseGraphSimParams, RoomParams, SimParams, simulate, simulate_pose_graph};
-
-/// A fixed number in (−1, 1) that looks random.
-fn scattered(k: usize) -> f64 {
-    let x = (k as f64 + 1.0) * 0.754_877_666_246_692_7;
-    2.0 * (x * x * 91.7).fract() - 1.0
-}
-
-fn descriptors(num_rows: usize, dimension: usize, salt: usize) -> Descriptors {
-    let values = (0..num_rows * dimension).map(|k| scattered(k + salt) as f32);
-    Descriptors::new(values.collect(), dimension).unwrap()
-}
-
-fn point(k: usize) -> Point3<f64> {
-    Vector3::from_fn(|axis, _| 2.0 * scattered(3 * k + axis)).into()
-}
-
-/// Correspondences of a motion, of which every second is wrong.
-fn half_right_pairs(num_pairs: usize) -> PointPairs {
-    let motion = Isometry3::new(Vector3::new(1.0, 2.0, 0.5), Vector3::new(0.3, -0.2, 1.0));
-    let source: Vec<_> = (0..num_pairs).map(point).collect();
-    let target = source.iter().enumerate().map(|(k, p)| match k % 2 {
-        0 => motion * p,
-        _ => point(k + 7919),
-    });
-    PointPairs::new(target.collect(), source).unwrap()
-}
+use gmpcr::{Params, Registry, register};
+use gmpcr_sim::{PoseGraphSimParams, SimParams, simulate, simulate_pose_graph};
+use made::{descriptors, half_right_pairs, scattered};
 
 fn sampling(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("sampling");
@@ -195,17 +171,7 @@ fn pipeline(criterion: &mut Criterion) {
     group.sample_size(10);
     let params = Params::threedmatch();
     for num_scans in [30usize, 60, 100, 200, 400] {
-        let room = RoomParams {
-            num_rooms: num_scans.div_ceil(50),
-            ..RoomParams::default()
-        };
-        let simulated = simulate(&SimParams {
-            num_scans,
-            room,
-            ..SimParams::default()
-        });
-        let clouds = simulated.unwrap().clouds;
-        let scans = describe_clouds(&clouds, &FeatureParams::default()).unwrap();
+        let scans = made::scans(num_scans);
         group.throughput(Throughput::Elements(
             (num_scans * (num_scans - 1) / 2) as u64,
         ));

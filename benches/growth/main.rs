@@ -13,14 +13,12 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod draw;
+#[path = "../made/mod.rs"]
+mod made;
 mod measure;
 mod table;
 
-use gmpcr::describe_clouds;
-use gmpcr::features::FeatureParams;
-use gmpcr_sim::{
-    PoseGraphSimParams, RoomParams, SimParams, Topology, simulate, simulate_pose_graph,
-};
+use gmpcr_sim::{PoseGraphSimParams, Topology, simulate_pose_graph};
 
 use measure::{REGISTRATION, SYNCHRONIZATION};
 use table::Table;
@@ -59,17 +57,7 @@ fn main() {
 
 /// The scans of the benchmark `sizes`.
 fn register(num_scans: usize, table: &mut Table) {
-    let room = RoomParams {
-        num_rooms: num_scans.div_ceil(50),
-        ..RoomParams::default()
-    };
-    let simulated = simulate(&SimParams {
-        num_scans,
-        room,
-        ..SimParams::default()
-    });
-    let clouds = simulated.unwrap().clouds;
-    let scans = describe_clouds(&clouds, &FeatureParams::default()).unwrap();
+    let scans = made::scans(num_scans);
     for what in ["retrieval", "exhaustive"] {
         let cells = measure::ask(REGISTRATION, what, measure::scan_numbers(&scans));
         table.insert(REGISTRATION, what, num_scans, cells);

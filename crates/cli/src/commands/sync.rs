@@ -15,6 +15,9 @@ use crate::outcome::{Answer, Failure};
 use crate::progress::Progress;
 use crate::table::{counted, significant, table};
 
+/// Largest residual of eigenvectors that count as found.
+const SOLVED: f64 = 1e-10;
+
 pub fn run(
     arguments: &SyncArguments,
     is_verbose: bool,
@@ -67,6 +70,13 @@ pub fn run(
             text,
             "{} without information on the rotation not used",
             counted(unused, "edge")
+        );
+    }
+    if eigen_residual > SOLVED {
+        let _ = writeln!(
+            text,
+            "rotations were not solved to the end (eigenvector residual {eigen_residual:.1e}): consensus, l1-irls and \
+             hara have no eigenproblem"
         );
     }
     let _ = write!(text, "\n{}", residual_table(before.as_ref(), &after));

@@ -1,0 +1,57 @@
+//! Data that the benchmarks make.
+
+#![allow(dead_code, reason = "each benchmark uses a part")]
+
+use gmpcr::cliques::PointPairs;
+use gmpcr::features::FeatureParams;
+use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
+use gmpcr::{Descriptors, Scan, describe_clouds};
+use gmpcr_sim::{RoomParams, SimParams, SimulatedScans, simulate};
+
+/// A fixed number in (−1, 1) that looks random.
+pub fn scattered(k: usize) -> f64 {
+    let x = (k as f64 + 1.0) * 0.754_877_666_246_692_7;
+    2.0 * (x * x * 91.7).fract() - 1.0
+}
+
+pub fn descriptors(num_rows: usize, dimension: usize, salt: usize) -> Descriptors {
+    let values = (0..num_rows * dimension).map(|k| scattered(k + salt) as f32);
+    Descriptors::new(values.collect(), dimension).unwrap()
+}
+
+pub fn point(k: usize) -> Point3<f64> {
+    Vector3::from_fn(|axis, _| 2.0 * scattered(3 * k + axis)).into()
+}
+
+/// Correspondences of a motion, of which every second is wrong.
+pub fn half_right_pairs(num_pairs: usize) -> PointPairs {
+    let motion = Isometry3::new(Vector3::new(1.0, 2.0, 0.5), Vector3::new(0.3, -0.2, 1.0));
+    let source: Vec<_> = (0..num_pairs).map(point).collect();
+    let target = source.iter().enumerate().map(|(k, p)| match k % 2 {
+        0 => motion * p,
+        _ => point(k + 7919),
+    });
+    PointPairs::new(target.collect(), source).unwrap()
+}
+
+/// A flat that grows with the number of scans: a room for every fifty.
+pub fn flat(num_scans: usize) -> SimParams {
+    let room = RoomParams {
+        num_rooms: num_scans.div_ceil(50),
+        ..RoomParams::default()
+    };
+    SimParams {
+        num_scans,
+        room,
+        ..SimParams::default()
+    }
+}
+
+pub fn described(simulated: &SimulatedScans) -> Vec<Scan> {
+    describe_clouds(&simulated.clouds, &FeatureParams::default()).unwrap()
+}
+
+/// Described scans of a [`flat`].
+pub fn scans(num_scans: usize) -> Vec<Scan> {
+    described(&simulate(&flat(num_scans)).unwrap())
+}
