@@ -192,9 +192,7 @@ impl Registry {
             .expect("added scans have descriptors of one dimension");
         self.score_pairs(&pairs, observer)?;
         let mut confidences = self.confidences(&pairs);
-        let all_are_scored = self.len() < params.min_scans;
-        let rounds = if all_are_scored { 0 } else { params.expansions };
-        for _ in 0..rounds {
+        for _ in 0..params.expansions {
             let further = further_pairs(&confidences, &params);
             if further.is_empty() {
                 break;

@@ -12,7 +12,8 @@ use crate::{RetrievalParams, union};
 /// the `k` scans of largest `Σ s_im s_mj` over `m ∈ K(i)` with `j ∈ K(m)`. Pairs of zero confidence are
 /// no neighbours; ties go to the lower index. `O(P log P + N k² log k)` for `P` scored pairs.
 ///
-/// An empty result says that further rounds have nothing to add.
+/// An empty result says that further rounds have nothing to add, as where there are fewer scans than
+/// [`RetrievalParams::min_scans`] and all pairs were candidates.
 ///
 /// ```
 /// use gmpcr_posegraph::{PairConfidences, ScoredPair};
@@ -21,10 +22,14 @@ use crate::{RetrievalParams, union};
 /// let scored = [(0, 1, 9.0), (1, 2, 8.0), (2, 3, 0.0)];
 /// let scored = scored.map(|(i, j, raw_confidence)| ScoredPair { i, j, raw_confidence });
 /// let scored = PairConfidences::new(4, scored.to_vec())?;
-/// assert_eq!(further_pairs(&scored, &RetrievalParams::default()), [(0, 2)]);
+/// let params = RetrievalParams { min_scans: 0, ..RetrievalParams::default() };
+/// assert_eq!(further_pairs(&scored, &params), [(0, 2)]);
 /// # Ok::<(), gmpcr_posegraph::ConfidenceError>(())
 /// ```
 pub fn further_pairs(scored: &PairConfidences, params: &RetrievalParams) -> Vec<(usize, usize)> {
+    if scored.num_scans() < params.min_scans {
+        return Vec::new();
+    }
     let max_candidates = params.candidates_per_expansion;
     let neighborhoods = neighborhoods(scored, max_candidates);
     let proposals = (0..scored.num_scans()).map(|scan| {

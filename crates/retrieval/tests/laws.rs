@@ -34,11 +34,18 @@ fn references(scans: &[Descriptors]) -> Vec<&Descriptors> {
     scans.iter().collect()
 }
 
-fn per_scan(candidates_per_scan: usize) -> RetrievalParams {
+/// Retrieval of however few scans.
+fn always() -> RetrievalParams {
     RetrievalParams {
         min_scans: 0,
-        candidates_per_scan,
         ..RetrievalParams::default()
+    }
+}
+
+fn per_scan(candidates_per_scan: usize) -> RetrievalParams {
+    RetrievalParams {
+        candidates_per_scan,
+        ..always()
     }
 }
 
@@ -213,7 +220,7 @@ fn rounds_of_neighbours_find_all_overlaps_of_a_row_of_scans() {
     let mut pairs: Vec<_> = (0..num_scans - 1).map(|k| (k, k + 1)).collect();
     for _ in 0..4 {
         let known = scored(num_scans, &pairs, &confidence);
-        pairs.extend(further_pairs(&known, &RetrievalParams::default()));
+        pairs.extend(further_pairs(&known, &always()));
         pairs.sort_unstable();
     }
     let overlapping = all_pairs(num_scans)
@@ -233,7 +240,7 @@ fn a_scan_asks_its_most_confident_neighbours_only() {
     let known = scored(5, &pairs, |(i, j)| 10.0 - (i + j) as f64);
     let params = RetrievalParams {
         candidates_per_expansion: 1,
-        ..RetrievalParams::default()
+        ..always()
     };
     // 0 asks 1, whose best is 0; 1 asks 0, whose best is 1; 2 asks 0: 1; 3 asks 1: 0; 4 asks 2: 0.
     assert_eq!(further_pairs(&known, &params), [(0, 3), (0, 4), (1, 2)]);
@@ -241,7 +248,7 @@ fn a_scan_asks_its_most_confident_neighbours_only() {
 
 #[test]
 fn there_is_nothing_to_add_to_all_pairs_or_to_none() {
-    let params = RetrievalParams::default();
+    let params = always();
     assert_eq!(
         further_pairs(&scored(9, &all_pairs(9), |_| 1.0), &params),
         []
@@ -305,7 +312,7 @@ proptest! {
         let place = |pair: Pair| all.binary_search(&pair).unwrap();
         let pairs: Vec<_> = all.iter().copied().filter(|&pair| is_known[place(pair)]).collect();
         let known = scored(12, &pairs, |pair| confidences[place(pair)]);
-        let params = RetrievalParams { candidates_per_expansion: k, ..RetrievalParams::default() };
+        let params = RetrievalParams { candidates_per_expansion: k, ..always() };
         let further = further_pairs(&known, &params);
         prop_assert!(further.is_sorted());
         let is_tie = |a: usize, b: usize| {
@@ -325,10 +332,13 @@ fn fewer_scans_than_the_limit_have_all_their_pairs_proposed() {
     let pairs = |min_scans| {
         let params = RetrievalParams {
             min_scans,
-            ..RetrievalParams::default()
+            ..always()
         };
         candidate_pairs(&references(&scans), &params).unwrap()
     };
     assert_eq!(pairs(4), [(0, 1), (0, 2), (1, 2)]);
+    let known = scored(3, &[(0, 1), (1, 2)], |_| 1.0);
+    assert_eq!(further_pairs(&known, &always()), [(0, 2)]);
+    assert_eq!(further_pairs(&known, &RetrievalParams::default()), []);
     assert_eq!(pairs(3), [(0, 2)]);
 }

@@ -1,6 +1,11 @@
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+mod filter;
+mod ritz;
+
+use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::cholesky::Unfactorable;
+use filter::{Filter, LOWEST_SHIFT};
+use ritz::{padded, rayleigh_ritz};
 
 /// A sparse positive semidefinite matrix `A` whose smallest eigenvectors are sought.
 pub(crate) trait SemidefiniteMatrix {
@@ -61,19 +66,6 @@ const ACCEPTABLE: f64 = 1e-11;
 const PATIENCE: usize = 4;
 /// Filters before the search gives up in any case.
 const MAX_FILTERS: usize = 24;
-/// Degree of a filter, at most: solves or products between two projections.
-const MAX_SOLVES: usize = 4;
-const MAX_PRODUCTS: usize = 60;
-/// Natural logarithm by which a filter may part wanted vectors from each other, so that they stay
-/// independent in floating point.
-const MAX_SPREAD: f64 = 23.0;
-/// Distance of a shift from the smallest value, as a share of the spread of the block, that keeps the
-/// system well conditioned.
-const MARGIN: f64 = 0.03;
-/// Solves that take as long as a factorisation.
-const SOLVES_PER_FACTOR: f64 = 6.0;
-/// A shift that is below all eigenvalues, in units of the scale.
-const LOWEST_SHIFT: f64 = -1e-5;
 /// Up to this many rows a full decomposition is affordable where the search gives up.
 const DENSE_LIMIT: usize = 600;
 /// Steps of the full decomposition; a few per row are usual.
@@ -128,208 +120,6 @@ pub(crate) fn smallest_eigenvectors(
     ritz.into_eigenspace(scale, filter.shift())
 }
 
-/// A Chebyshev polynomial `T_d` of a matrix, mapped so that the eigenvalues beyond the block are in
-/// [−1, 1], where `T_d` stays small, and the wanted ones above, where it grows fastest.
-enum Filter {
-    /// Of the inverse of the matrix minus this shift.
-    Inverse {
-        shift: f64,
-        /// A shift that turned out to be above the smallest eigenvalue.
-        too_high: f64,
-    },
-    /// Of the matrix itself, whose eigenvalues are at most this.
-    Direct { largest: f64 },
-}
-
-impl Filter {
-    /// With the shift that the last search ended with, if it is still below all eigenvalues, or else with
-    /// one that certainly is.
-    fn new(matrix: &mut impl SemidefiniteMatrix, last_shift: f64) -> Self {
-        let scale = matrix.scale();
-        let mut too_high = f64::INFINITY;
-        for shift in [last_shift * scale, LOWEST_SHIFT * scale] {
-            if matrix.factorize(shift).is_ok() {
-                return Self::Inverse { shift, too_high };
-            }
-            too_high = shift;
-        }
-        Self::Direct {
-            largest: matrix.upper_bound(),
-        }
-    }
-
-    fn shift(&self) -> f64 {
-        match self {
-            Self::Inverse { shift, .. } => *shift,
-            Self::Direct { .. } => 0.0,
-        }
-    }
-
-    /// Where an eigenvalue is mapped to.
-    fn place(&self, ritz: &Ritz, value: f64) -> f64 {
-        match self {
-            Self::Inverse { shift, .. } => 2.0 * (ritz.last() - shift) / (value - shift) - 1.0,
-            Self::Direct { largest } => 1.0 + 2.0 * (ritz.last() - value) / (largest - ritz.last()),
-        }
-    }
-
-    /// Natural logarithm by which the eigenvectors of a value grow with each degree.
-    fn growth(&self, ritz: &Ritz, value: f64) -> f64 {
-        self.place(ritz, value).acosh().max(1e-3)
-    }
-
-    /// The degree that takes this error to the tolerance, or as much of the way as keeps the vectors
-    /// independent.
-    fn degree(&self, ritz: &Ritz, error: f64) -> usize {
-        let needed = (error / TOLERANCE).ln() / self.growth(ritz, ritz.last_wanted());
-        let independent = MAX_SPREAD / self.growth(ritz, ritz.values[0]);
-        let max_degree = match self {
-            Self::Inverse { .. } => MAX_SOLVES,
-            Self::Direct { .. } => MAX_PRODUCTS,
-        };
-        (needed.ceil().min(independent) as usize).clamp(1, max_degree)
-    }
-
-    /// `T_d` of the mapped matrix times the Ritz vectors, by the three-term recurrence.
-    fn apply(
-        &self,
-        matrix: &mut impl SemidefiniteMatrix,
-        ritz: &Ritz,
-        degree: usize,
-    ) -> DMatrix<f64> {
-        let mut mapped = |x: &DMatrix<f64>| match self {
-            Self::Inverse { shift, .. } => {
-                let mut y = x * (2.0 * (ritz.last() - shift));
-                matrix.solve_in_place(&mut y);
-                y - x
-            }
-            Self::Direct { largest } => {
-                let width = largest - ritz.last();
-                x * ((largest + ritz.last()) / width) - matrix.multiply(x) * (2.0 / width)
-            }
-        };
-        let mut before = ritz.vectors.clone();
-        let mut now = mapped(&before);
-        for _ in 1..degree {
-            let next = mapped(&now) * 2.0 - &before;
-            before = std::mem::replace(&mut now, next);
-        }
-        now
-    }
-
-    /// Moves the shift up behind the smallest eigenvalue, where that saves more solves than a
-    /// factorisation costs. That the factorisation succeeds proves that the shift is below.
-    ///
-    /// The smallest eigenvalue is at least `θ₁ − ‖A x₁ − θ₁ x₁‖` once the iteration has found it.
-    fn move_closer(&mut self, matrix: &mut impl SemidefiniteMatrix, ritz: &Ritz, error: f64) {
-        let Self::Inverse { shift, too_high } = *self else {
-            return;
-        };
-        let spread = ritz.last() - ritz.values[0];
-        let distance = (MARGIN * spread).max(2.0 * ritz.residuals.column(0).norm());
-        let closer = Self::Inverse {
-            shift: ritz.values[0] - distance,
-            too_high,
-        };
-        let solves =
-            |filter: &Self| (error / TOLERANCE).ln() / filter.growth(ritz, ritz.last_wanted());
-        let is_allowed = closer.shift() > shift && closer.shift() < too_high;
-        if is_allowed && solves(self) - solves(&closer) > SOLVES_PER_FACTOR {
-            if matrix.factorize(closer.shift()).is_ok() {
-                *self = closer;
-            } else {
-                // The current shift was factored before, so it can be again.
-                let _ = matrix.factorize(shift);
-                *self = Self::Inverse {
-                    shift,
-                    too_high: closer.shift(),
-                };
-            }
-        }
-    }
-}
-
-/// The best approximation of the eigenvectors within a subspace.
-struct Ritz {
-    wanted: usize,
-    values: Vec<f64>,
-    vectors: DMatrix<f64>,
-    /// `A x − θ x` of each vector.
-    residuals: DMatrix<f64>,
-}
-
-impl Ritz {
-    fn residual(&self) -> f64 {
-        (0..self.num_wanted())
-            .map(|k| self.residuals.column(k).norm())
-            .fold(0.0, f64::max)
-    }
-
-    /// The largest value of the block.
-    fn last(&self) -> f64 {
-        self.values[self.values.len() - 1]
-    }
-
-    fn num_wanted(&self) -> usize {
-        self.wanted.min(self.values.len())
-    }
-
-    fn last_wanted(&self) -> f64 {
-        self.values[self.num_wanted() - 1]
-    }
-
-    /// The largest change of a row of the wanted vectors, relative to the row, apart from a change of
-    /// their basis.
-    fn change_since(&self, before: &DMatrix<f64>) -> f64 {
-        let (now, before) = (
-            self.vectors.columns(0, self.num_wanted()),
-            before.columns(0, self.num_wanted()),
-        );
-        let moved = now - before * before.tr_mul(&now);
-        let rows = moved.row_iter().zip(now.row_iter());
-        let squares = rows.map(|(moved, now)| moved.norm_squared() / now.norm_squared());
-        squares.fold(0.0, f64::max).sqrt()
-    }
-
-    fn into_eigenspace(self, scale: f64, shift: f64) -> Eigenspace {
-        Eigenspace {
-            shift: if scale > 0.0 { shift / scale } else { shift },
-            residual: if scale > 0.0 {
-                self.residual() / scale
-            } else {
-                0.0
-            },
-            vectors: self.vectors,
-        }
-    }
-}
-
-fn rayleigh_ritz(matrix: &impl SemidefiniteMatrix, wanted: usize, mut basis: DMatrix<f64>) -> Ritz {
-    orthonormalize(&mut basis);
-    let image = matrix.multiply(&basis);
-    let SymmetricEigen {
-        eigenvectors,
-        eigenvalues,
-    } = SymmetricEigen::new(basis.tr_mul(&image));
-    let mut order: Vec<usize> = (0..eigenvalues.len()).collect();
-    order.sort_by(|&a, &b| eigenvalues[a].total_cmp(&eigenvalues[b]));
-    let rotation = eigenvectors.select_columns(&order);
-    let values: Vec<f64> = order.iter().map(|&k| eigenvalues[k]).collect();
-    let vectors = basis * &rotation;
-    let mut residuals = image * &rotation;
-    for (k, &value) in values.iter().enumerate() {
-        residuals
-            .column_mut(k)
-            .axpy(-value, &vectors.column(k), 1.0);
-    }
-    Ritz {
-        wanted,
-        values,
-        vectors,
-        residuals,
-    }
-}
-
 /// The eigenvectors by the full decomposition; `None` where it does not converge.
 fn dense_eigenvectors(matrix: &impl SemidefiniteMatrix, wanted: usize) -> Option<Eigenspace> {
     let eigen = SymmetricEigen::try_new(matrix.to_dense(), f64::EPSILON, MAX_QR_STEPS)?;
@@ -339,51 +129,6 @@ fn dense_eigenvectors(matrix: &impl SemidefiniteMatrix, wanted: usize) -> Option
     let vectors = eigen.eigenvectors.select_columns(&order);
     let scale = matrix.scale();
     Some(rayleigh_ritz(matrix, wanted, vectors).into_eigenspace(scale, LOWEST_SHIFT * scale))
-}
-
-/// `start` with columns cut or added to make `columns` of them.
-fn padded(start: &DMatrix<f64>, columns: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(start.nrows(), columns, |row, column| {
-        if column < start.ncols() {
-            start[(row, column)]
-        } else {
-            scattered(row, column)
-        }
-    })
-}
-
-/// A fixed number in (−1, 1) that looks random (Weyl sequence, golden ratio and √2).
-fn scattered(row: usize, column: usize) -> f64 {
-    let phase =
-        (row + 1) as f64 * 0.618_033_988_749_895 + (column + 1) as f64 * std::f64::consts::SQRT_2;
-    2.0 * (phase * phase).fract() - 1.0
-}
-
-/// Gram–Schmidt, twice. A column that depends on the others, or overflowed, is replaced by a
-/// scattered one.
-fn orthonormalize(basis: &mut DMatrix<f64>) {
-    for column in 0..basis.ncols() {
-        let original = basis.column(column).norm();
-        project_out_previous(basis, column);
-        let is_independent = basis.column(column).norm() > 1e-14 * original;
-        if !(is_independent && original.is_finite()) {
-            let fresh = DVector::from_fn(basis.nrows(), |row, _| scattered(row, column + 7));
-            basis.set_column(column, &fresh);
-            project_out_previous(basis, column);
-        }
-        basis.column_mut(column).normalize_mut();
-        project_out_previous(basis, column);
-        basis.column_mut(column).normalize_mut();
-    }
-}
-
-fn project_out_previous(basis: &mut DMatrix<f64>, column: usize) {
-    for previous in 0..column {
-        let (before, mut after) = basis.columns_range_pair_mut(..column, column..);
-        let previous = before.column(previous);
-        let overlap = previous.dot(&after.column(0));
-        after.column_mut(0).axpy(-overlap, &previous, 1.0);
-    }
 }
 
 #[cfg(test)]
@@ -396,8 +141,14 @@ mod tests {
 
     /// A ring with chords whose rotations are off by up to `noise`.
     fn graph(num_nodes: usize, noise: f64) -> Subgraph {
+        circulant(num_nodes, &[1, 2, 5], noise)
+    }
+
+    /// Each node is joined with those so many steps ahead.
+    fn circulant(num_nodes: usize, steps: &[usize], noise: f64) -> Subgraph {
         let node = |k: usize| Rotation3::new(Vector3::new(k as f64, 0.5 * k as f64, -1.0));
-        let pairs = (0..num_nodes).flat_map(|i| [1, 2, 5].map(|step| (i, (i + step) % num_nodes)));
+        let pairs =
+            (0..num_nodes).flat_map(|i| steps.iter().map(move |step| (i, (i + step) % num_nodes)));
         let measurement = |(k, (i, j)): (usize, (usize, usize))| {
             let phase = k as f64 * 1.7;
             let error = Vector3::new(phase.sin(), phase.cos(), (2.0 * phase).sin()) * noise;
@@ -492,13 +243,13 @@ mod tests {
     fn polynomials_of_the_matrix_find_the_space_without_a_factor() {
         // Beyond the limit of the full decomposition.
         for noise in [0.0, 0.1] {
-            let graph = graph(DENSE_LIMIT, noise);
+            let graph = circulant(DENSE_LIMIT, &[1, 7, 49, 171], noise);
             let mut laplacian = ConnectionLaplacian::new(&graph);
             laplacian.set_weights(&vec![0.7; graph.measurements.len()]);
             let start = DMatrix::from_element(3 * DENSE_LIMIT, 1, 1.0);
             let start = Eigenspace::guess(start);
             let factored = smallest_eigenvectors(&mut laplacian, 3, &start);
-            let free = smallest_eigenvectors(&mut Unfactored(laplacian), 3, &factored);
+            let free = smallest_eigenvectors(&mut Unfactored(laplacian), 3, &start);
             assert!(free.residual < 1e-10, "{}", free.residual);
             assert!(distance(&free.vectors, &factored.vectors) < 1e-6);
         }
