@@ -24,12 +24,12 @@
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
-mod made;
+mod data;
 
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use data::{descriptors, half_right_pairs, scattered};
 use faer::linalg::matmul::matmul;
 use faer::traits::{ComplexField, math_utils::one};
 use faer::{Accum, Mat, Par};
@@ -40,9 +40,8 @@ use gmpcr::correspondence::{
 };
 use gmpcr::nalgebra::Vector3;
 use gmpcr::posegraph::{PairConfidences, ScoredPair};
-use gmpcr::{Descriptors, Params, Scan};
-use gmpcr_io::{descriptor_files, read_overlaps};
-use made::{descriptors, half_right_pairs, scattered};
+use gmpcr::{Descriptors, Params};
+use gmpcr_io::read_overlaps;
 
 fn main() {
     let processor = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
@@ -200,17 +199,10 @@ fn filter_work(graph: &CompatibilityGraph, filter: &SpectralFilter) -> Work {
 
 /// Matching and filter of pairs of a real scene, each timed in ten rounds over all.
 fn real(machine: &Machine, scene: &str) -> Result<(), gmpcr_io::Error> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let data = std::env::var_os("GMPCR_DATA").map_or(default, PathBuf::from);
-    let overlaps = read_overlaps(data.join(scene).join("overlap.csv"))?;
+    let overlaps = read_overlaps(data::folder().join(scene).join("overlap.csv"))?;
     let params = Params::threedmatch();
-    let mut keypoints = Vec::new();
-    for files in descriptor_files(data.join("descriptors").join(scene))? {
-        let (points, read) = files.read()?;
-        let descriptors = Descriptors::new(read.values, read.dimension).unwrap();
-        let scan = Scan::new(points, descriptors).unwrap();
-        keypoints.push(Keypoints::sample(&scan, params.correspondence.num_samples));
-    }
+    let sample = |scan| Keypoints::sample(scan, params.correspondence.num_samples);
+    let keypoints: Vec<_> = data::learned(scene)?.iter().map(sample).collect();
     for (name, least) in [("all", -1.0), ("overlap > 30 %", 0.3)] {
         let chosen = overlaps.iter().filter(|pair| pair.overlap > least);
         let pairs: Vec<_> = chosen.map(|p| [&keypoints[p.i], &keypoints[p.j]]).collect();

@@ -9,18 +9,17 @@
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
-mod made;
+mod data;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use gmpcr::compatibility::SpectralFilter;
 use gmpcr::correspondence::{Keypoints, correspondences};
 use gmpcr::features::FeatureParams;
 use gmpcr::posegraph::{PairConfidences, ScoredPair};
-use gmpcr::{Descriptors, Params, Scan, describe_clouds};
-use gmpcr_io::{descriptor_files, read_overlaps, read_points, scan_files};
+use gmpcr::{Params, Scan, describe_clouds};
+use gmpcr_io::{read_overlaps, read_points, scan_files};
 use gmpcr_retrieval::{RetrievalParams, candidate_pairs, further_pairs};
 use gmpcr_sim::{overlap_matrix, simulate};
 
@@ -70,7 +69,7 @@ fn main() {
         }
     }
     for scene in ["redkitchen", "hotel_umd3", "mit_lab"] {
-        for (kind, read) in [("learned", learned as fn(&_, &_) -> _), ("FPFH", fpfh)] {
+        for (kind, read) in [("learned", data::learned as fn(&_) -> _), ("FPFH", fpfh)] {
             let name = format!("{scene}, {kind}");
             if is_wanted(&name) {
                 match real(name.clone(), scene, read) {
@@ -84,12 +83,12 @@ fn main() {
 
 /// The scans of the benchmark `sizes`.
 fn simulated(name: String, num_scans: usize) -> Scene {
-    let params = made::flat(num_scans);
+    let params = data::flat(num_scans);
     let simulated = simulate(&params).unwrap();
     let matrix = overlap_matrix(&simulated, 1.5 * params.voxel);
     Scene {
         name,
-        scans: made::described(&simulated),
+        scans: data::described(&simulated),
         overlaps: all_pairs(num_scans)
             .map(|pair| (pair, matrix[pair]))
             .collect(),
@@ -99,30 +98,18 @@ fn simulated(name: String, num_scans: usize) -> Scene {
 fn real(
     name: String,
     scene: &str,
-    read: fn(&Path, &str) -> Result<Vec<Scan>, gmpcr_io::Error>,
+    read: fn(&str) -> Result<Vec<Scan>, gmpcr_io::Error>,
 ) -> Result<Scene, gmpcr_io::Error> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let data = std::env::var_os("GMPCR_DATA").map_or(default, PathBuf::from);
-    let overlaps = read_overlaps(data.join(scene).join("overlap.csv"))?;
+    let overlaps = read_overlaps(data::folder().join(scene).join("overlap.csv"))?;
     Ok(Scene {
         name,
-        scans: read(&data, scene)?,
+        scans: read(scene)?,
         overlaps: overlaps.iter().map(|o| ((o.i, o.j), o.overlap)).collect(),
     })
 }
 
-fn learned(data: &Path, scene: &str) -> Result<Vec<Scan>, gmpcr_io::Error> {
-    let files = descriptor_files(data.join("descriptors").join(scene))?;
-    let scans = files.iter().map(|files| {
-        let (points, read) = files.read()?;
-        let descriptors = Descriptors::new(read.values, read.dimension).unwrap();
-        Ok(Scan::new(points, descriptors).unwrap())
-    });
-    scans.collect()
-}
-
-fn fpfh(data: &Path, scene: &str) -> Result<Vec<Scan>, gmpcr_io::Error> {
-    let files = scan_files(data.join(scene))?;
+fn fpfh(scene: &str) -> Result<Vec<Scan>, gmpcr_io::Error> {
+    let files = scan_files(data::folder().join(scene))?;
     let clouds = files.iter().map(|file| Ok(read_points(file)?.points));
     let clouds: Result<Vec<_>, gmpcr_io::Error> = clouds.collect();
     Ok(describe_clouds(&clouds?, &FeatureParams::default()).unwrap())

@@ -8,11 +8,12 @@
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
-mod made;
+mod data;
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use data::{descriptors, half_right_pairs, scattered};
 use gmpcr::cliques::{BitGraph, for_each_maximal_clique, kabsch};
 use gmpcr::compatibility::{CompatibilityParams, SpectralFilter};
 use gmpcr::correspondence::{farthest_point_sampling, match_descriptors};
@@ -21,7 +22,6 @@ use gmpcr::posegraph::{PairConfidences, PoseEdge, PoseGraph, ScoredPair};
 use gmpcr::sync::{SyncParams, synchronize};
 use gmpcr::{Params, Registry, register};
 use gmpcr_sim::{PoseGraphSimParams, SimParams, simulate, simulate_pose_graph};
-use made::{descriptors, half_right_pairs, scattered};
 
 fn sampling(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("sampling");
@@ -171,7 +171,7 @@ fn pipeline(criterion: &mut Criterion) {
     group.sample_size(10);
     let params = Params::threedmatch();
     for num_scans in [30usize, 60, 100, 200, 400] {
-        let scans = made::scans(num_scans);
+        let scans = data::scans(num_scans);
         group.throughput(Throughput::Elements(
             (num_scans * (num_scans - 1) / 2) as u64,
         ));

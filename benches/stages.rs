@@ -7,8 +7,9 @@
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod data;
+
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gmpcr::cliques::{Compatibility, estimate_pose};
@@ -18,29 +19,19 @@ use gmpcr::correspondence::{
 };
 use gmpcr::features::{FeatureParams, describe};
 use gmpcr::sync::synchronize;
-use gmpcr::{Descriptors, Params, Scan, describe_clouds, register};
-use gmpcr_io::descriptor_files;
+use gmpcr::{Params, Scan, register};
 use gmpcr_sim::{SimParams, simulate};
 
 /// Learned descriptors of a real scene, or FPFH of simulated scans.
 fn scans() -> (String, Vec<Scan>) {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let data = std::env::var_os("GMPCR_DATA").map_or(default, PathBuf::from);
-    let Ok(files) = descriptor_files(data.join("descriptors/redkitchen")) else {
-        eprintln!(
-            "no real scans in {}: simulated ones are used",
-            data.display()
-        );
-        let clouds = simulate(&SimParams::default()).unwrap().clouds;
-        let scans = describe_clouds(&clouds, &FeatureParams::default()).unwrap();
-        return ("simulated".into(), scans);
-    };
-    let scan = |files: &gmpcr_io::DescriptorFiles| {
-        let (points, read) = files.read().unwrap();
-        let descriptors = Descriptors::new(read.values, read.dimension).unwrap();
-        Scan::new(points, descriptors).unwrap()
-    };
-    ("redkitchen".into(), files.iter().map(scan).collect())
+    match data::learned("redkitchen") {
+        Ok(scans) => ("redkitchen".into(), scans),
+        Err(error) => {
+            eprintln!("no real scans, simulated ones are used: {error}");
+            let simulated = simulate(&SimParams::default()).unwrap();
+            ("simulated".into(), data::described(&simulated))
+        }
+    }
 }
 
 fn pair_stages(criterion: &mut Criterion) {

@@ -12,9 +12,9 @@
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
+#[path = "../data/mod.rs"]
+mod data;
 mod draw;
-#[path = "../made/mod.rs"]
-mod made;
 mod measure;
 mod table;
 
@@ -57,7 +57,7 @@ fn main() {
 
 /// The scans of the benchmark `sizes`.
 fn register(num_scans: usize, table: &mut Table) {
-    let scans = made::scans(num_scans);
+    let scans = data::scans(num_scans);
     for what in ["retrieval", "exhaustive"] {
         let cells = measure::ask(REGISTRATION, what, measure::scan_numbers(&scans));
         table.insert(REGISTRATION, what, num_scans, cells);

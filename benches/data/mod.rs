@@ -1,11 +1,14 @@
-//! Data that the benchmarks make.
+//! Data of the benchmarks, made and real.
 
 #![allow(dead_code, reason = "each benchmark uses a part")]
+
+use std::path::{Path, PathBuf};
 
 use gmpcr::cliques::PointPairs;
 use gmpcr::features::FeatureParams;
 use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
 use gmpcr::{Descriptors, Scan, describe_clouds};
+use gmpcr_io::descriptor_files;
 use gmpcr_sim::{RoomParams, SimParams, SimulatedScans, simulate};
 
 /// A fixed number in (−1, 1) that looks random.
@@ -54,4 +57,21 @@ pub fn described(simulated: &SimulatedScans) -> Vec<Scan> {
 /// Described scans of a [`flat`].
 pub fn scans(num_scans: usize) -> Vec<Scan> {
     described(&simulate(&flat(num_scans)).unwrap())
+}
+
+/// Where the real scans are: what `GMPCR_DATA` names.
+pub fn folder() -> PathBuf {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    std::env::var_os("GMPCR_DATA").map_or(default, PathBuf::from)
+}
+
+/// Real scans with their learned descriptors.
+pub fn learned(scene: &str) -> Result<Vec<Scan>, gmpcr_io::Error> {
+    let files = descriptor_files(folder().join("descriptors").join(scene))?;
+    let scans = files.iter().map(|files| {
+        let (points, read) = files.read()?;
+        let descriptors = Descriptors::new(read.values, read.dimension).unwrap();
+        Ok(Scan::new(points, descriptors).unwrap())
+    });
+    scans.collect()
 }
