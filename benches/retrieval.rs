@@ -21,7 +21,7 @@ use gmpcr::posegraph::{PairConfidences, ScoredPair};
 use gmpcr::{Params, Scan, describe_clouds};
 use gmpcr_io::{read_overlaps, read_points, scan_files};
 use gmpcr_retrieval::{RetrievalParams, candidate_pairs, further_pairs};
-use gmpcr_sim::{overlap_matrix, simulate};
+use gmpcr_sim::{SimParams, overlap_matrix, simulate};
 
 type Pair = (usize, usize);
 
@@ -32,28 +32,19 @@ struct Scene {
     overlaps: BTreeMap<Pair, f64>,
 }
 
-/// Candidates per scan, rounds of neighbours, candidates per round.
+/// Candidates per scan, most rounds of neighbours, candidates per round.
 type Setting = [usize; 3];
-const MANY_SCANS: [Setting; 10] = [
-    [10, 0, 0],
-    [20, 0, 0],
-    [40, 0, 0],
-    [10, 3, 10],
-    [20, 1, 10],
-    [20, 2, 10],
-    [20, 3, 10],
-    [20, 4, 10],
-    [20, 3, 15],
-    [30, 4, 15],
-];
-const FEW_SCANS: [Setting; 6] = [
-    [5, 0, 0],
-    [10, 0, 0],
+const MANY_SCANS: [Setting; 8] = [
     [15, 0, 0],
-    [5, 2, 3],
-    [5, 3, 5],
-    [20, 3, 10],
+    [40, 0, 0],
+    [15, 3, 8],
+    [10, 20, 8],
+    [15, 20, 6],
+    [15, 20, 8],
+    [15, 20, 10],
+    [30, 20, 8],
 ];
+const FEW_SCANS: [Setting; 5] = [[5, 0, 0], [10, 0, 0], [5, 20, 3], [5, 20, 5], [15, 20, 8]];
 
 fn main() {
     // Cargo adds the argument "--bench".
@@ -62,10 +53,10 @@ fn main() {
         .filter(|argument| !argument.starts_with("--"))
         .collect();
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|part| name.contains(part));
-    for num_scans in [100, 200, 400] {
-        let name = format!("simulated {num_scans}, FPFH");
+    for (num_scans, seed) in [(100, 0), (200, 0), (400, 0), (400, 1), (400, 2)] {
+        let name = format!("simulated {num_scans}, seed {seed}, FPFH");
         if is_wanted(&name) {
-            report(&simulated(name, num_scans));
+            report(&simulated(name, num_scans, seed));
         }
     }
     for scene in ["redkitchen", "hotel_umd3", "mit_lab"] {
@@ -81,9 +72,12 @@ fn main() {
     }
 }
 
-/// The scans of the benchmark `sizes`.
-fn simulated(name: String, num_scans: usize) -> Scene {
-    let params = data::flat(num_scans);
+/// The scans of the benchmark `sizes`, and others with other seeds.
+fn simulated(name: String, num_scans: usize, seed: u64) -> Scene {
+    let params = SimParams {
+        seed,
+        ..data::flat(num_scans)
+    };
     let simulated = simulate(&params).unwrap();
     let matrix = overlap_matrix(&simulated, 1.5 * params.voxel);
     Scene {
@@ -200,9 +194,12 @@ fn retrieve(keypoints: &[Keypoints], setting: Setting, params: &Params) -> Run {
     let (mut confidences, mut time) = timed(|| score(keypoints, pairs.into_iter(), params));
     for _ in 0..expansions {
         let (further, found_time) = timed(|| further_pairs(&confidences, &retrieval));
+        retrieval_time += found_time;
+        if further.is_empty() {
+            break;
+        }
         let (more, scored_time) = timed(|| score(keypoints, further.into_iter(), params));
         confidences = joined(&confidences, &more);
-        retrieval_time += found_time;
         time += scored_time;
     }
     Run {

@@ -8,9 +8,10 @@ use crate::{RetrievalParams, union};
 /// Pairs that are not scored yet, of which either scan proposes the other because they have confident
 /// neighbours in common; `(i, j)`, `i < j`, ascending.
 ///
-/// With `K` the `k = candidates_per_expansion` most confident neighbours of a scan, scan `i` proposes
-/// the `k` scans of largest `Σ s_im s_mj` over `m ∈ K(i)` with `j ∈ K(m)`. Pairs of zero confidence are
-/// no neighbours; ties go to the lower index. `O(P log P + N k² log k)` for `P` scored pairs.
+/// Two scans are neighbours where either is among the `k = candidates_per_expansion` most confident of the
+/// other. Scan `i` proposes the `k` scans of largest `Σ s_im s_mj` over the neighbours `m` of both. Pairs of
+/// zero confidence are no neighbours; ties go to the lower index. `O(P log P + Σ_m deg(m)² log N)` for `P`
+/// scored pairs and `deg(m)` neighbours, `k` to `2 k` on average.
 ///
 /// An empty result says that further rounds have nothing to add, as where there are fewer scans than
 /// [`RetrievalParams::min_scans`] and all pairs were candidates.
@@ -44,8 +45,11 @@ pub fn further_pairs(scored: &PairConfidences, params: &RetrievalParams) -> Vec<
 /// A scan and how strong the tie to it is.
 type Tie = (usize, f64);
 
-/// The `k` most confident neighbours of each scan.
-fn neighborhoods(scored: &PairConfidences, k: usize) -> Vec<Vec<Tie>> {
+/// The neighbours of a scan with their confidences.
+type Neighborhood = BTreeMap<usize, f64>;
+
+/// The scans that are among the `k` most confident of a scan, or have it among theirs.
+fn neighborhoods(scored: &PairConfidences, k: usize) -> Vec<Neighborhood> {
     let mut all = vec![Vec::new(); scored.num_scans()];
     for (pair, &confidence) in scored.pairs().iter().zip(scored.normalized()) {
         if confidence > 0.0 {
@@ -53,18 +57,22 @@ fn neighborhoods(scored: &PairConfidences, k: usize) -> Vec<Vec<Tie>> {
             all[pair.j].push((pair.i, confidence));
         }
     }
-    for ties in &mut all {
+    let mut neighborhoods = vec![BTreeMap::new(); scored.num_scans()];
+    for (scan, ties) in all.iter_mut().enumerate() {
         sort(ties);
-        ties.truncate(k);
+        for &(other, confidence) in ties.iter().take(k) {
+            neighborhoods[scan].insert(other, confidence);
+            neighborhoods[other].insert(scan, confidence);
+        }
     }
-    all
+    neighborhoods
 }
 
 /// Products of confidences, summed over the neighbours that lead to each scan.
-fn two_steps_away(scan: usize, neighborhoods: &[Vec<Tie>]) -> Vec<Tie> {
+fn two_steps_away(scan: usize, neighborhoods: &[Neighborhood]) -> Vec<Tie> {
     let mut sums = BTreeMap::new();
-    for &(middle, first) in &neighborhoods[scan] {
-        for &(other, second) in &neighborhoods[middle] {
+    for (&middle, &first) in &neighborhoods[scan] {
+        for (&other, &second) in &neighborhoods[middle] {
             *sums.entry(other).or_insert(0.0) += first * second;
         }
     }

@@ -235,15 +235,28 @@ fn rounds_of_neighbours_find_all_overlaps_of_a_row_of_scans() {
 }
 
 #[test]
-fn a_scan_asks_its_most_confident_neighbours_only() {
+fn each_scan_proposes_the_one_it_is_tied_to_most() {
     let pairs = [(0, 1), (0, 2), (1, 3), (2, 4)];
     let known = scored(5, &pairs, |(i, j)| 10.0 - (i + j) as f64);
     let params = RetrievalParams {
         candidates_per_expansion: 1,
         ..always()
     };
-    // 0 asks 1, whose best is 0; 1 asks 0, whose best is 1; 2 asks 0: 1; 3 asks 1: 0; 4 asks 2: 0.
+    // 0 is the best of 1 and 2, and 1 its own: by 1 it finds 3, which beats 4 found by 2.
+    // 1 and 2 find each other by 0, 3 finds 0 by 1, and 4 finds 0 by 2.
     assert_eq!(further_pairs(&known, &params), [(0, 3), (0, 4), (1, 2)]);
+}
+
+#[test]
+fn a_choice_of_either_makes_two_scans_neighbours() {
+    // 3 has better neighbours than 0, but is the best of 0.
+    let pairs = [(0, 3), (1, 3), (2, 3)];
+    let known = scored(4, &pairs, |(i, _)| [1.0, 5.0, 9.0][i]);
+    let params = RetrievalParams {
+        candidates_per_expansion: 1,
+        ..always()
+    };
+    assert_eq!(further_pairs(&known, &params), [(0, 2), (1, 2)]);
 }
 
 #[test]

@@ -69,12 +69,12 @@ pub(super) const KEYS: &[Key] = &[
     ),
     key(
         "retrieval.expansions",
-        "Rounds in which scans then propose neighbours of their neighbours.",
+        "Rounds, at most, in which scans then propose neighbours of their neighbours.",
         Access::Count(|config| &mut config.params.retrieval.expansions),
     ),
     key(
         "retrieval.candidates_per_expansion",
-        "Neighbours that each scan asks in such a round, and partners that it proposes.",
+        "Neighbours that each scan keeps to in such a round, and partners that it proposes.",
         Access::Count(|config| &mut config.params.retrieval.candidates_per_expansion),
     ),
     key(
