@@ -64,6 +64,8 @@ pub struct SynchronizationResult {
     pub eigen_residual: f64,
     /// Below about 1e-6 reweighting has split the component in all but name.
     pub weakest_block: f64,
+    /// Residual of the least squares that positions come from.
+    pub position_residual: f64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -181,6 +183,7 @@ impl ResultFile {
                     iterations: report.iterations.len(),
                     eigen_residual: report.eigen_residual,
                     weakest_block: report.weakest_block,
+                    position_residual: report.position_residual,
                 })
                 .collect(),
             notices,

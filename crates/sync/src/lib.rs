@@ -51,7 +51,7 @@ pub use gmpcr_posegraph::{Components, PoseEdge, PoseGraph, PoseGraphError};
 pub use history::{AdaptiveHistory, EdgeHistory, History, Update};
 pub use method::{Method, RobustLoss, UnknownMethod};
 pub use synchronize::{ComponentReport, EdgeReport, Iteration, Synchronization, synchronize};
-pub use translations::solve_translations;
+pub use translations::{SolvedTranslations, solve_translations};
 
 /// Parameters of this stage. The default is the paper's setting for 3DMatch.
 #[derive(Clone, Debug, PartialEq)]

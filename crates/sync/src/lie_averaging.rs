@@ -3,7 +3,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::method::Solution;
 use crate::subgraph::{Measurement, Subgraph};
-use crate::translations::GroundedLaplacian;
+use crate::translations::{GroundedLaplacian, SolvedTranslations};
 use crate::{Iteration, RobustLoss, SyncParams, Update};
 
 /// Steps of one weighted average.
@@ -166,7 +166,7 @@ impl<'a> LieAverager<'a> {
     }
 
     /// The positions that go with the rotations, under the weights of the last average.
-    pub fn positions(&mut self) -> Vec<Vector3<f64>> {
+    pub fn positions(&mut self) -> SolvedTranslations {
         self.system.positions(self.graph, &self.world_from_node)
     }
 

@@ -219,6 +219,7 @@ pub(crate) struct Solution {
     pub iterations: Vec<Iteration>,
     pub eigen_residual: f64,
     pub weakest_block: f64,
+    pub position_residual: f64,
 }
 
 impl Solution {
@@ -239,7 +240,7 @@ impl Solution {
         }
     }
 
-    /// A solution that no eigenproblem led to.
+    /// A solution that neither an eigenproblem nor translation least squares led to.
     pub fn of_poses(
         world_from_node: Vec<Isometry3<f64>>,
         final_weights: Vec<f64>,
@@ -251,6 +252,7 @@ impl Solution {
             iterations,
             eigen_residual: 0.0,
             weakest_block: 1.0,
+            position_residual: 0.0,
         }
     }
 
@@ -262,8 +264,11 @@ impl Solution {
         iterations: Vec<Iteration>,
     ) -> Self {
         let translations = subgraph_translations(graph, rotations, &final_weights);
-        let parts = rotations.iter().zip(&translations);
+        let parts = rotations.iter().zip(&translations.positions);
         let poses = parts.map(|(rotation, t)| isometry(rotation, t)).collect();
-        Self::of_poses(poses, final_weights, iterations)
+        Self {
+            position_residual: translations.residual,
+            ..Self::of_poses(poses, final_weights, iterations)
+        }
     }
 }

@@ -46,6 +46,9 @@ pub struct ComponentReport {
     /// Smallest [`weakest_block`](crate::AveragedRotations::weakest_block) of all rotation solves. Below
     /// about 1e-6 the reweighting has split the component in all but name.
     pub weakest_block: f64,
+    /// [Residual](crate::SolvedTranslations::residual) of the final positions; 0 for those that were
+    /// solved together with the rotations.
+    pub position_residual: f64,
 }
 
 /// One reweighting iteration `ℓ`.
@@ -111,6 +114,7 @@ pub fn synchronize(graph: &PoseGraph, params: &SyncParams) -> Synchronization {
             iterations: solution.iterations,
             eigen_residual: solution.eigen_residual,
             weakest_block: solution.weakest_block,
+            position_residual: solution.position_residual,
         });
     }
     result

@@ -257,6 +257,7 @@ fn a_large_graph_joined_at_random_is_exact() {
         };
         let result = synchronize(&graph, &params);
         assert!(result.reports[0].eigen_residual < 1e-11, "{name}");
+        assert!(result.reports[0].position_residual < 1e-9, "{name}");
         let error = error(&result, &poses);
         assert!(error < 1e-6, "{name}: {error}");
     }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use gmpcr::nalgebra::Isometry3;
 use gmpcr::posegraph::{PoseEdge, PoseGraph};
-use gmpcr::sync::{SyncParams, Synchronization, synchronize};
+use gmpcr::sync::{ComponentReport, SyncParams, Synchronization, synchronize};
 use gmpcr_eval::pose_error;
 use gmpcr_io::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
 use serde_json::{Value, json};
@@ -17,6 +17,8 @@ use crate::table::{counted, significant, table};
 
 /// Largest residual of eigenvectors that count as found.
 const SOLVED: f64 = 1e-10;
+/// Largest residual of positions that count as solved: far below the noise of any measurement.
+const POSITIONED: f64 = 1e-6;
 
 pub fn run(
     arguments: &SyncArguments,
@@ -55,8 +57,10 @@ pub fn run(
         .iter()
         .filter(|edge| edge.weight == 0.0)
         .count();
-    let eigen_residuals = result.reports.iter().map(|report| report.eigen_residual);
-    let eigen_residual = eigen_residuals.fold(0.0, f64::max);
+    let largest =
+        |of: fn(&ComponentReport) -> f64| result.reports.iter().map(of).fold(0.0, f64::max);
+    let eigen_residual = largest(|report| report.eigen_residual);
+    let position_residual = largest(|report| report.position_residual);
     let mut text = format!(
         "{} poses, {} edges, {}: {} in {:.3} s\n",
         graph.num_scans(),
@@ -79,9 +83,19 @@ pub fn run(
              hara have no eigenproblem"
         );
     }
+    if position_residual > POSITIONED {
+        let _ = writeln!(
+            text,
+            "positions were not solved to the end (residual {position_residual:.1e}): distant poses may be off \
+             against each other"
+        );
+    }
     let _ = write!(text, "\n{}", residual_table(before.as_ref(), &after));
     if is_verbose {
-        let _ = write!(text, "\neigenvector residual {eigen_residual:.1e}\n");
+        let _ = write!(
+            text,
+            "\neigenvector residual {eigen_residual:.1e}, residual of positions {position_residual:.1e}\n"
+        );
     }
     if let Some(out) = &arguments.out {
         let _ = write!(text, "\n{} written\n", out.display());
@@ -96,6 +110,7 @@ pub fn run(
             "components": num_components,
             "seconds": time.as_secs_f64(),
             "eigen_residual": eigen_residual,
+            "position_residual": position_residual,
             "before": before.as_ref().map(Residuals::to_json),
             "after": after.to_json(),
         })),

@@ -71,7 +71,7 @@ fn solve_part(
     let num_loops = measurements.iter().map(|&k| loops.num_loops[k] as f64);
     let support: Vec<f64> = num_loops.zip(&weights).map(|(n, w)| n * w).collect();
     let rotations = part.rotations_along(&part.spanning_tree(&support));
-    let solution = LeastSquares::new(&part, rotations).solve(&weights);
+    let (solution, _) = LeastSquares::new(&part, rotations).solve(&weights);
     for (index, &node) in nodes.iter().enumerate() {
         poses.set(node, &solution.get(index));
     }

@@ -32,17 +32,19 @@ pub(crate) fn synchronize(
     };
     let mut poses = assemble(graph, &weights, &loops, &noise);
     vote(graph, &weights, &noise, &mut poses);
-    let mut iterations = refine(graph, &initial_weights, params, &noise, &mut poses);
-    iterations.extend(refine_jointly(
-        graph,
-        &initial_weights,
-        params,
-        &noise,
-        &mut poses,
-    ));
+    let (mut iterations, mut position_residual) =
+        refine(graph, &initial_weights, params, &noise, &mut poses);
+    let joint = refine_jointly(graph, &initial_weights, params, &noise, &mut poses);
+    if !joint.is_empty() {
+        position_residual = 0.0;
+    }
+    iterations.extend(joint);
     let final_weights = match iterations.last() {
         Some(last) => last.update.weights.clone(),
         None => noise.weights(graph, &initial_weights, &poses),
     };
-    Solution::of_poses(poses.in_frame_of_first(), final_weights, iterations)
+    Solution {
+        position_residual,
+        ..Solution::of_poses(poses.in_frame_of_first(), final_weights, iterations)
+    }
 }

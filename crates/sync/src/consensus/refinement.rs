@@ -11,23 +11,24 @@ const START_SCALE: f64 = 4.0;
 /// Iteratively reweighted least squares with the Geman–McClure loss of rotation and translation
 /// residuals together. During the first half of the iterations its scale falls to the noise
 /// (graduated non-convexity), so that first poses that are off by a few times the noise are forgiven.
+/// Also returns the residual of the last positions.
 pub(super) fn refine(
     graph: &Subgraph,
     initial_weights: &[f64],
     params: &SyncParams,
     noise: &Noise,
     poses: &mut Poses,
-) -> Vec<Iteration> {
+) -> (Vec<Iteration>, f64) {
     let mut least_squares = LeastSquares::new(graph, poses.rotations.clone());
-    let mut iterations = Vec::new();
+    let (mut iterations, mut position_residual) = (Vec::new(), 0.0);
     for k in 0..params.iterations {
         let progress = 2.0 * k as f64 / params.iterations as f64;
         let noise = noise.times(START_SCALE.powf(1.0 - progress).max(1.0));
         let weights = noise.weights(graph, initial_weights, poses);
-        *poses = least_squares.solve(&weights);
+        (*poses, position_residual) = least_squares.solve(&weights);
         iterations.push(record(graph, weights, params.residual_scale, poses));
     }
-    iterations
+    (iterations, position_residual)
 }
 
 /// What a reweighting and the poses under it have come to.
@@ -64,11 +65,14 @@ impl<'a> LeastSquares<'a> {
         }
     }
 
-    pub fn solve(&mut self, weights: &[f64]) -> Poses {
+    /// The poses and the residual of their positions.
+    pub fn solve(&mut self, weights: &[f64]) -> (Poses, f64) {
         self.averager.solve(weights);
-        Poses {
-            positions: self.averager.positions(),
+        let translations = self.averager.positions();
+        let poses = Poses {
+            positions: translations.positions,
             rotations: self.averager.world_from_node.clone(),
-        }
+        };
+        (poses, translations.residual)
     }
 }
