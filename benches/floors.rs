@@ -180,13 +180,11 @@ fn graph_work(graph: &CompatibilityGraph) -> Work {
 fn eigenvector_work(eigenpair: &DominantEigenpair) -> Work {
     let size = eigenpair.vector.len() as f64;
     let part = eigenpair.vector.iter().filter(|&&v| v > 0.0).count() as f64;
-    let (products, factors) = match eigenpair.route {
-        Route::Power { iterations } => (iterations, 0.0),
-        Route::Inverse { iterations } => (40 + iterations, 1.0), // after forty products
-        Route::Decomposition => (40, 4.0),
+    let products = match eigenpair.route {
+        Route::Power { iterations } | Route::Lanczos { iterations } => iterations as f64,
+        Route::Decomposition => part, // as many as a tridiagonalisation takes
     };
-    let multiply_adds = products as f64 * part.powi(2) + factors * part.powi(3) / 6.0;
-    Work::new(0.0, multiply_adds, 8.0 * size * size)
+    Work::new(0.0, products * part.powi(2), 8.0 * size * size)
 }
 
 fn filter_work(graph: &CompatibilityGraph, filter: &SpectralFilter) -> Work {
