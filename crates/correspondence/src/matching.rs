@@ -267,7 +267,7 @@ impl Nearest {
 }
 
 /// Entries that are looked at together, as a vector register.
-const LANES: usize = 16;
+const LANES: usize = 8;
 
 /// `f32::min` in the form of the machine's instruction; NaN in `b` does not count.
 #[inline(always)]
