@@ -35,12 +35,10 @@ impl Part {
 pub(super) fn connected_parts(matrix: &DMatrix<f64>) -> Vec<Part> {
     let size = matrix.nrows();
     let row_sums = inner_products(matrix.as_slice(), &DVector::repeat(size, 1.0));
-    let mut unseen: Vec<usize> = (0..size).rev().collect();
+    let has_ties = |&node: &usize| row_sums[node] > 0.0;
+    let mut unseen: Vec<usize> = (0..size).rev().filter(has_ties).collect();
     let mut parts = Vec::new();
     while let Some(first) = unseen.pop() {
-        if row_sums[first] <= 0.0 {
-            continue;
-        }
         let (mut nodes, mut next, mut bound) = (vec![first], 0, 0f64);
         while next < nodes.len() {
             let column = &matrix.as_slice()[nodes[next] * size..(nodes[next] + 1) * size];
