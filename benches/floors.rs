@@ -14,7 +14,7 @@
 //! | sampling `s` of `n` | `n s d` in f64, those of the plain algorithm; the lazy one does with fewer |
 //! | matching | `n_i n_j d` in f32; comparisons are not counted |
 //! | graph | 9 for each of `M (M − 1)` distances and half of `M³` by symmetry, zeros included |
-//! | eigenvector | `p²` for each product or solve and `p³ / 6` for a factor, of a connected part of `p` nodes |
+//! | eigenvector | `p²` for each product and `2 p k²` for a basis of `k` steps, of a connected part of `p` nodes |
 //! | filter | graph and eigenvector; on the retained, the half product and the eigenvector again |
 //! | Kabsch | 15 for each pair: centroids and covariance; its decomposition is not counted |
 //! | top-K | none: comparisons are not counted, so that only the bytes are left |
@@ -180,11 +180,16 @@ fn graph_work(graph: &CompatibilityGraph) -> Work {
 fn eigenvector_work(eigenpair: &DominantEigenpair) -> Work {
     let size = eigenpair.vector.len() as f64;
     let part = eigenpair.vector.iter().filter(|&&v| v > 0.0).count() as f64;
-    let products = match eigenpair.route {
-        Route::Power { iterations } | Route::Lanczos { iterations } => iterations as f64,
-        Route::Decomposition => part, // as many as a tridiagonalisation takes
+    let (products, basis) = match eigenpair.route {
+        Route::Power { iterations } => (iterations as f64, 0.0),
+        Route::Lanczos { iterations, steps } => (iterations as f64, 2.0 * (steps * steps) as f64),
+        Route::Decomposition => (part, 0.0), // as a tridiagonalisation takes
     };
-    Work::new(0.0, products * part.powi(2), 8.0 * size * size)
+    Work::new(
+        0.0,
+        products * part.powi(2) + basis * part,
+        8.0 * size * size,
+    )
 }
 
 fn filter_work(graph: &CompatibilityGraph, filter: &SpectralFilter) -> Work {

@@ -158,10 +158,16 @@ impl GroundedLaplacian {
         let right = self.right_side(offsets);
         let solution = match &mut self.factored {
             Some(factored) => factored.solve(&right)?,
-            None => conjugate_gradients(&*self, &right, tolerance),
+            None => self.iterate(&right, tolerance)?,
         };
         let is_finite = |p: &Vector3<f64>| p.iter().all(|x| x.is_finite());
         solution.iter().all(is_finite).then_some(solution)
+    }
+
+    /// `None` where the weights of a node have all vanished, so that it has no place.
+    fn iterate(&self, right: &[Vector3<f64>], tolerance: f64) -> Option<Vec<Vector3<f64>>> {
+        let is_determined = self.diagonal().iter().all(|&degree| degree > 0.0);
+        is_determined.then(|| conjugate_gradients(self, right, tolerance))
     }
 
     /// The right side of the normal equations.
@@ -297,6 +303,28 @@ mod tests {
         }
         let residuals = [factored, iterated].map(|x| system.relative_residual(&x, &offsets));
         assert!(residuals.iter().all(|&residual| residual < 1e-9));
+    }
+
+    #[test]
+    fn a_node_whose_weights_have_vanished_is_placed_by_iteration_too() {
+        let link = |(i, j)| Measurement {
+            i,
+            j,
+            rotation: Rotation3::identity(),
+            translation: Vector3::zeros(),
+        };
+        let graph = Subgraph {
+            num_nodes: 4,
+            measurements: [(0, 1), (1, 2), (2, 3)].map(link).to_vec(),
+        };
+        for weights in [[1.0, 1.0, 0.0], [0.0; 3]] {
+            let mut system = GroundedLaplacian::new(&graph);
+            system.set_weights(&weights);
+            system.factored = None;
+            let solution = system.solve(&[Vector3::x(); 3], TOLERANCE);
+            assert!((solution[3].x - 3.0).abs() < 1e-6, "{}", solution[3]);
+            assert!(system.relative_residual(&solution, &[Vector3::x(); 3]) < 1e-9);
+        }
     }
 
     #[test]

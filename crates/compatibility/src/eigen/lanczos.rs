@@ -3,7 +3,7 @@ use nalgebra::{DMatrix, DVector};
 use super::power::Approximation;
 use super::products::{inner_products, subtract};
 use super::tridiagonal::Tridiagonal;
-use super::{DominantEigenpair, NOISE, Route};
+use super::{DominantEigenpair, Route, without_noise};
 
 /// Steps, at most: the basis costs `2 M k²` multiply-adds.
 const MAX_STEPS: usize = 150;
@@ -11,11 +11,9 @@ const MAX_STEPS: usize = 150;
 const STEPS_PER_LOOK: usize = 6;
 /// Residual of the eigenpair, as a share of the eigenvalue, at which it is as good as rounding allows.
 const TOLERANCE: f64 = 1e-15;
-/// What a product adds to the space, as a share of its length, that is rounding noise.
-const INVARIANT: f64 = 1e-13;
 
-/// The dominant pair of `B` from the space of `v, B v, B² v, …` (Lanczos 1950), which needs the root of the
-/// products of a power iteration.
+/// The dominant pair of `B` from the space of `v, B v, B² v, …` (Lanczos 1950), which takes about the square
+/// root of as many products as a power iteration.
 ///
 /// In the orthonormal basis `Q` that each new product extends, `B` is a tridiagonal matrix `T`. Its
 /// dominant eigenpair `(θ, y)` gives that of `B` as `(θ, Q y)`, with a residual of `β |y_k|`, where `β` is the
@@ -35,16 +33,15 @@ pub(super) fn by_lanczos(matrix: &DMatrix<f64>, start: Approximation) -> Option<
         subtract(&mut next, &basis, &rest);
         tridiagonal.push(overlaps[steps - 1], length);
         length = next.norm();
-        let is_invariant = length <= INVARIANT * overlaps.norm();
+        let is_invariant = length <= TOLERANCE * overlaps.norm();
         if steps % STEPS_PER_LOOK == 0 || steps == size || is_invariant {
             let (value, coordinates) = tridiagonal.dominant()?;
             if is_invariant || length * coordinates[steps - 1].abs() <= TOLERANCE * value {
                 let mut dominant = DVector::zeros(size);
                 subtract(&mut dominant, &basis, &DVector::from_vec(coordinates));
-                let entry = |v: f64| if v.abs() < NOISE { 0.0 } else { v.abs() };
                 let iterations = start.iterations + steps;
-                let route = Route::Lanczos { iterations };
-                let vector = dominant.map(entry);
+                let route = Route::Lanczos { iterations, steps };
+                let vector = dominant.map(without_noise);
                 return Some(DominantEigenpair::certified(matrix, vector, route));
             }
         }

@@ -4,6 +4,8 @@ mod power;
 mod products;
 mod tridiagonal;
 
+use std::ops::Range;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Mat, MatRef, Par};
@@ -31,7 +33,8 @@ use self::products::inner_products;
 pub struct DominantEigenpair {
     /// The eigenvalue `λ`, as the Rayleigh quotient of the vector.
     pub value: f64,
-    /// The unit eigenvector `v`: exactly zero outside of the dominant connected part of the matrix.
+    /// The unit eigenvector `v`: exactly zero outside of the dominant connected part of the matrix. Entries
+    /// below 1e-12 within may be zero, too, unless the power iteration found it.
     pub vector: DVector<f64>,
     /// Norm of `B v − λ v`: the distance of `λ` to the nearest exact eigenvalue is at most this.
     pub residual: f64,
@@ -51,13 +54,19 @@ pub enum Route {
     Lanczos {
         /// Products with the matrix, those of the power iteration before included.
         iterations: usize,
+        /// Those that made the basis larger.
+        steps: usize,
     },
     /// Full symmetric eigendecomposition, where neither found it.
     Decomposition,
 }
 
-/// Entries below this of an eigenvector that other vectors were subtracted from are rounding noise.
+/// Entries below this of a unit eigenvector from Lanczos's method or a decomposition, where sums cancel, are
+/// rounding noise.
 const NOISE: f64 = 1e-12;
+/// Largest row sums of matrices whose eigenvectors are iterated: squares of their entries neither vanish nor
+/// overflow.
+const SCALES: Range<f64> = 1e-140..1e140;
 
 impl DominantEigenpair {
     /// Finds the pair of a symmetric nonnegative matrix.
@@ -66,10 +75,12 @@ impl DominantEigenpair {
     /// is solved alone, and only while its largest row sum, a bound of its eigenvalue, exceeds the
     /// best eigenvalue so far (equal ones: the part of the lowest index). Within a part, power
     /// iteration from the row sums cannot settle on another eigenvector, as a positive start has a
-    /// share of the dominant one. It stops where the contraction of successive differences certifies
-    /// the vector to 1e-13. Where that would take more than 60 products, that is for `λ₂/λ₁` above about
-    /// 0.6, Lanczos's method goes on from where it is, to a residual of 1e-15 of the eigenvalue.
-    /// [`by_decomposition`](Self::by_decomposition) remains for what fails. `O(M²)` per product.
+    /// share of the dominant one. It stops where the contraction of successive differences puts the
+    /// error of the vector below 1e-13, or where a step is rounding noise. Where that would take more than
+    /// 60 products, that is for `λ₂/λ₁` above about 0.6, Lanczos's method goes on from where it is, to a
+    /// residual of 1e-15 of the eigenvalue, and sets entries below 1e-12 to zero.
+    /// [`by_decomposition`](Self::by_decomposition) remains for what fails and for numbers beyond
+    /// 1e±140. `O(M²)` per product.
     pub fn new(matrix: &DMatrix<f64>) -> Self {
         let mut best = Self::zero(matrix.nrows());
         for part in connected_parts(matrix) {
@@ -77,12 +88,12 @@ impl DominantEigenpair {
                 break;
             }
             let entries = part.of(matrix);
-            let eigenpair = match by_power_iteration(&entries) {
-                Ok(eigenpair) => eigenpair,
-                Err(start) => {
-                    by_lanczos(&entries, start).unwrap_or_else(|| Self::by_decomposition(&entries))
-                }
+            let iterated = || match by_power_iteration(&entries) {
+                Ok(eigenpair) => Some(eigenpair),
+                Err(start) => by_lanczos(&entries, start),
             };
+            let found = SCALES.contains(&part.bound).then(iterated).flatten();
+            let eigenpair = found.unwrap_or_else(|| Self::by_decomposition(&entries));
             if eigenpair.value > best.value {
                 best = eigenpair.embedded(&part.nodes, matrix.nrows());
             }
@@ -107,9 +118,8 @@ impl DominantEigenpair {
             MemStack::new(&mut MemBuffer::new(scratch)),
             Default::default(),
         );
-        let entry = |row: usize| Some(vectors[(row, size - 1)].abs()).filter(|&v| v >= NOISE);
         let vector = match decomposed {
-            Ok(()) => DVector::from_fn(size, |row, _| entry(row).unwrap_or(0.0)),
+            Ok(()) => DVector::from_fn(size, |row, _| without_noise(vectors[(row, size - 1)])),
             Err(_) => DVector::zeros(size),
         };
         Self::certified(matrix, vector, Route::Decomposition)
@@ -145,6 +155,15 @@ impl DominantEigenpair {
     }
 }
 
+/// The entry of a nonnegative eigenvector that is known up to [`NOISE`] and its sign.
+fn without_noise(entry: f64) -> f64 {
+    if entry.abs() < NOISE {
+        0.0
+    } else {
+        entry.abs()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
@@ -163,6 +182,15 @@ mod tests {
                 matrix
             })
         })
+    }
+
+    /// Ties of one between neighbours in a row: `λ₁ = 2 cos(π / (n + 1))`.
+    fn path(size: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(
+            size,
+            size,
+            |m, n| if m.abs_diff(n) == 1 { 1.0 } else { 0.0 },
+        )
     }
 
     proptest! {
@@ -198,9 +226,17 @@ mod tests {
     #[test]
     fn extreme_scales_keep_the_eigenvalue() {
         let clique = DMatrix::from_fn(6, 6, |m, n| if m == n { 0.0 } else { 1.0 });
-        for scale in [1e-250, 1e-200, 1e-150, 1e150, 1e200, 1e250] {
-            let eigenpair = DominantEigenpair::new(&(&clique * scale));
-            assert_relative_eq!(eigenpair.value, 5.0 * scale, max_relative = 1e-12);
+        let path = path(20);
+        let of_path = 2.0 * (std::f64::consts::PI / 21.0).cos();
+        let tiny = [1e-250, 1e-200, 1e-165, 1e-160, 1e-155, 1e-150, 1e-130];
+        let huge = [1e130, 1e150, 1e155, 1e160, 1e200, 1e250];
+        for scale in tiny.into_iter().chain(huge) {
+            let of_clique = DominantEigenpair::new(&(&clique * scale));
+            assert_relative_eq!(of_clique.value, 5.0 * scale, max_relative = 1e-12);
+            let eigenpair = DominantEigenpair::new(&(&path * scale));
+            assert_relative_eq!(eigenpair.value, of_path * scale, max_relative = 1e-12);
+            let reference = DominantEigenpair::by_decomposition(&path);
+            assert_relative_eq!(eigenpair.vector, reference.vector, epsilon = 1e-11);
         }
     }
 
@@ -231,7 +267,7 @@ mod tests {
     #[test]
     fn a_small_gap_is_left_to_lanczos() {
         // A long path: λ₂/λ₁ = cos(2π/101) / cos(π/101), nearly one.
-        let path = DMatrix::from_fn(100, 100, |m, n| if m.abs_diff(n) == 1 { 1.0 } else { 0.0 });
+        let path = path(100);
         let eigenpair = DominantEigenpair::new(&path);
         assert!(
             matches!(eigenpair.route, Route::Lanczos { .. }),
@@ -243,6 +279,54 @@ mod tests {
         let exact = 2.0 * (std::f64::consts::PI / 101.0).cos();
         assert_relative_eq!(eigenpair.value, exact, max_relative = 1e-13);
         assert!(eigenpair.residual < 1e-12);
+    }
+
+    #[test]
+    fn a_gap_that_lanczos_cannot_resolve_is_left_to_the_decomposition() {
+        let eigenpair = DominantEigenpair::new(&path(400));
+        assert_eq!(eigenpair.route, Route::Decomposition);
+        let exact = 2.0 * (std::f64::consts::PI / 401.0).cos();
+        assert_relative_eq!(eigenpair.value, exact, max_relative = 1e-13);
+    }
+
+    #[test]
+    fn lanczos_ends_in_fewer_steps_than_there_are_nodes() {
+        // A path with ties of all strengths, where nothing is symmetric.
+        let tie = |k: usize| 0.6 + 0.4 * (1.7 * (k * k) as f64).sin();
+        let matrix = DMatrix::from_fn(90, 90, |m, n| match m.abs_diff(n) {
+            1 => tie(m.min(n)),
+            2 => 0.2 * tie(m + n),
+            _ => 0.0,
+        });
+        let eigenpair = DominantEigenpair::new(&matrix);
+        let is_short = matches!(eigenpair.route, Route::Lanczos { steps, .. } if steps < 90);
+        assert!(is_short, "{:?}", eigenpair.route);
+        assert!(eigenpair.residual < 1e-11, "{}", eigenpair.residual);
+        let reference = DominantEigenpair::by_decomposition(&matrix);
+        assert_relative_eq!(eigenpair.vector, reference.vector, epsilon = 1e-11);
+    }
+
+    #[test]
+    fn a_star_has_an_opposite_eigenvalue_and_a_space_of_two_dimensions() {
+        let star = DMatrix::from_fn(26, 26, |m, n| if (m == 0) != (n == 0) { 1.0 } else { 0.0 });
+        let eigenpair = DominantEigenpair::new(&star);
+        assert!(matches!(eigenpair.route, Route::Lanczos { steps: 2, .. }));
+        assert_relative_eq!(eigenpair.value, 5.0, max_relative = 1e-14);
+        assert_relative_eq!(eigenpair.vector[0], 0.5f64.sqrt(), max_relative = 1e-13);
+    }
+
+    #[test]
+    fn nearly_equal_cliques_that_hardly_touch_keep_a_small_residual() {
+        let mut matrix = DMatrix::from_fn(12, 12, |m, n| match (m / 6 == n / 6, m == n) {
+            (true, false) if m < 6 => 1.0,
+            (true, false) => 1.0 - 1e-13,
+            _ => 0.0,
+        });
+        for tie in [1e-14, 1e-12] {
+            (matrix[(0, 6)], matrix[(6, 0)]) = (tie, tie);
+            let eigenpair = DominantEigenpair::new(&matrix);
+            assert!(eigenpair.residual < 2e-14, "{tie}: {eigenpair:?}");
+        }
     }
 
     #[test]

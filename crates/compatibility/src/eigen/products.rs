@@ -17,7 +17,7 @@ pub(super) fn subtract(vector: &mut DVector<f64>, columns: &[f64], coefficients:
 }
 
 /// One step of the power iteration, `next = B v / ‖B v‖`, from a unit vector. Returns its length
-/// `‖next − v‖`, which is not a number where `B v` is zero.
+/// `‖next − v‖`.
 pub(super) fn power_step(matrix: &[f64], vector: &DVector<f64>, next: &mut DVector<f64>) -> f64 {
     Arch::new().dispatch(PowerStep {
         matrix,
@@ -114,6 +114,41 @@ impl WithSimd for Subtraction<'_> {
             }
             for (x, y) in rest.iter_mut().zip(column_rest) {
                 *x -= coefficient * y;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use nalgebra::DMatrix;
+
+    use super::*;
+
+    /// All lengths of what vector registers leave over.
+    #[test]
+    fn products_are_those_of_plain_loops() {
+        for size in 0..40usize {
+            let wave = |k: usize| (1.3 * k as f64).sin() + 1.1;
+            let matrix = DMatrix::from_fn(size, 5, |row, column| wave(row + 7 * column));
+            let vector = DVector::from_fn(size, |row, _| wave(3 * row));
+            if size > 0 {
+                let products = inner_products(matrix.as_slice(), &vector);
+                assert_relative_eq!(products, matrix.tr_mul(&vector), max_relative = 1e-13);
+            }
+            let coefficients = DVector::from_fn(5, |row, _| wave(row));
+            let mut rest = vector.clone();
+            subtract(&mut rest, matrix.as_slice(), &coefficients);
+            assert_relative_eq!(rest, &vector - &matrix * &coefficients, epsilon = 1e-13);
+
+            let square = DMatrix::from_fn(size, size, |m, n| wave(m + n));
+            let mut next = DVector::zeros(size);
+            let change = power_step(square.as_slice(), &vector, &mut next);
+            if size > 0 {
+                let expected = (&square * &vector).normalize();
+                assert_relative_eq!(next, expected, max_relative = 1e-13);
+                assert_relative_eq!(change, (expected - &vector).norm(), max_relative = 1e-13);
             }
         }
     }
