@@ -11,7 +11,7 @@ use crate::{RetrievalParams, union};
 /// Two scans are neighbours where either is among the `k = candidates_per_expansion` most confident of the
 /// other. Scan `i` proposes the `k` scans of largest `Σ s_im s_mj` over the neighbours `m` of both. Pairs of
 /// zero confidence are no neighbours; ties go to the lower index. `O(P log P + Σ_m deg(m)² log N)` for `P`
-/// scored pairs and `deg(m)` neighbours, `k` to `2 k` on average.
+/// scored pairs and `deg(m)` neighbours, at most `2 k` on average.
 ///
 /// An empty result says that further rounds have nothing to add, as where there are fewer scans than
 /// [`RetrievalParams::min_scans`] and all pairs were candidates.

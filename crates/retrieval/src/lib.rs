@@ -11,7 +11,7 @@
 //! 2. **By neighbours.** Descriptors alone miss many pairs of partial overlap. But a scan that overlaps
 //!    a neighbour's neighbour is common, so once the candidates are scored, each scan proposes the
 //!    neighbours of its most confident neighbours ([`further_pairs`]), which are scored in turn, and so
-//!    on until nothing new is proposed: neighbours of neighbours as in NN-descent (Dong, Moses and Li,
+//!    on until nothing new is proposed or the rounds are over: neighbours of neighbours as in NN-descent (Dong, Moses and Li,
 //!    WWW 2011), with the pair confidence as the similarity.
 //!
 //! ```
@@ -43,8 +43,9 @@
 //! 64 rows, so that less than `8 · 63 / 2 · N n` distances are computed, and the trees take
 //! `O(N n (d + 1) log(N n))`: as good as linear in the number of scans. Counting votes touches `N²` small
 //! numbers (4 ms for 400 scans). A round of neighbours takes `O(P log P + N k² log N)` with `P` pairs scored and
-//! `k` neighbours kept, and at most `N k` pairs are scored in it. With the default, 400 scans of eight
-//! rooms had a sixth to a fifth of their pairs scored, after about ten rounds.
+//! `k` neighbours chosen by each scan, unless many scans choose the same one, and at most `N k` pairs are
+//! scored in it. With the default, 400 scans of eight rooms have a fifth of their pairs scored, after
+//! about ten rounds.
 
 mod further;
 mod index;
@@ -71,8 +72,8 @@ pub struct RetrievalParams {
     /// Rounds, at most, in which scans then propose neighbours of their neighbours, until there are no new
     /// ones; may be 0. Default 20.
     pub expansions: usize,
-    /// Most confident neighbours that each scan keeps to, and partners that it proposes, in such a round;
-    /// at least 1. Default 8.
+    /// Most confident partners of each scan that count as its neighbours in such a round, as do scans that
+    /// count it as theirs; and partners that it then proposes, at least 1. Default 8.
     pub candidates_per_expansion: usize,
 }
 

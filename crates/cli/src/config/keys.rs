@@ -74,7 +74,7 @@ pub(super) const KEYS: &[Key] = &[
     ),
     key(
         "retrieval.candidates_per_expansion",
-        "Neighbours that each scan keeps to in such a round, and partners that it proposes.",
+        "Most confident neighbours that count in such a round, and partners that each scan proposes.",
         Access::Count(|config| &mut config.params.retrieval.candidates_per_expansion),
     ),
     key(
