@@ -356,8 +356,8 @@ fn plain_further_pairs(known: &PairConfidences, k: usize) -> Vec<Pair> {
         between.map(|m| strength(a, m) * strength(m, b)).sum()
     };
     let mut pairs = BTreeSet::new();
-    for a in 0..size {
-        let others = (0..size).filter(|&b| b != a && confidence[a][b].is_none());
+    for (a, known_to_a) in confidence.iter().enumerate() {
+        let others = (0..size).filter(|&b| b != a && known_to_a[b].is_none());
         let ties = others
             .map(|b| (b, affinity(a, b)))
             .filter(|tie| tie.1 > 0.0);
