@@ -9,7 +9,7 @@ use crate::{RetrievalParams, union};
 /// neighbours in common; `(i, j)`, `i < j`, ascending.
 ///
 /// Two scans are neighbours where either is among the `k = candidates_per_expansion` most confident of the
-/// other. Scan `i` proposes the `k` scans of largest `Σ s_im s_mj` over the neighbours `m` of both. Pairs of
+/// other ([`PairConfidences::top_k_union`]). Scan `i` proposes the `k` scans of largest `Σ s_im s_mj` over the neighbours `m` of both. Pairs of
 /// zero confidence are no neighbours; ties go to the lower index. `O(P log P + Σ_m deg(m)² log N)` for `P`
 /// scored pairs and `deg(m)` neighbours, at most `2 k` on average.
 ///
@@ -45,49 +45,33 @@ pub fn further_pairs(scored: &PairConfidences, params: &RetrievalParams) -> Vec<
 /// A scan and how strong the tie to it is.
 type Tie = (usize, f64);
 
-/// The neighbours of a scan with their confidences.
-type Neighborhood = BTreeMap<usize, f64>;
-
-/// The scans that are among the `k` most confident of a scan, or have it among theirs.
-fn neighborhoods(scored: &PairConfidences, k: usize) -> Vec<Neighborhood> {
-    let mut all = vec![Vec::new(); scored.num_scans()];
-    for (pair, &confidence) in scored.pairs().iter().zip(scored.normalized()) {
-        if confidence > 0.0 {
-            all[pair.i].push((pair.j, confidence));
-            all[pair.j].push((pair.i, confidence));
-        }
-    }
-    let mut neighborhoods = vec![BTreeMap::new(); scored.num_scans()];
-    for (scan, ties) in all.iter_mut().enumerate() {
-        sort(ties);
-        for &(other, confidence) in ties.iter().take(k) {
-            neighborhoods[scan].insert(other, confidence);
-            neighborhoods[other].insert(scan, confidence);
-        }
+/// The neighbours of each scan, ascending.
+fn neighborhoods(scored: &PairConfidences, k: usize) -> Vec<Vec<Tie>> {
+    let mut neighborhoods = vec![Vec::new(); scored.num_scans()];
+    for position in scored.top_k_union(k) {
+        let (pair, confidence) = (&scored.pairs()[position], scored.normalized()[position]);
+        neighborhoods[pair.i].push((pair.j, confidence));
+        neighborhoods[pair.j].push((pair.i, confidence));
     }
     neighborhoods
 }
 
 /// Products of confidences, summed over the neighbours that lead to each scan.
-fn two_steps_away(scan: usize, neighborhoods: &[Neighborhood]) -> Vec<Tie> {
+fn two_steps_away(scan: usize, neighborhoods: &[Vec<Tie>]) -> Vec<Tie> {
     let mut sums = BTreeMap::new();
-    for (&middle, &first) in &neighborhoods[scan] {
-        for (&other, &second) in &neighborhoods[middle] {
+    for &(middle, first) in &neighborhoods[scan] {
+        for &(other, second) in &neighborhoods[middle] {
             *sums.entry(other).or_insert(0.0) += first * second;
         }
     }
     sums.into_iter().collect()
 }
 
+/// The `k` strongest; equal ones: the lower scan.
 fn best(mut ties: Vec<Tie>, k: usize) -> Vec<usize> {
-    sort(&mut ties);
-    ties.into_iter().take(k).map(|(scan, _)| scan).collect()
-}
-
-/// Strongest first, then the lower scan.
-fn sort(ties: &mut [Tie]) {
     // Confidences are not negative, and the bits of such numbers are ordered as the numbers are.
     ties.sort_by_key(|&(scan, strength)| (Reverse(strength.to_bits()), scan));
+    ties.into_iter().take(k).map(|(scan, _)| scan).collect()
 }
 
 fn is_scored(scored: &PairConfidences, a: usize, b: usize) -> bool {
