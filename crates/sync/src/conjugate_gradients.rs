@@ -3,29 +3,23 @@ use nalgebra::Vector3;
 /// Iterations, at most.
 const MAX_ITERATIONS: usize = 1000;
 
-/// A symmetric positive definite matrix that acts alike on the three coordinates of points.
-pub(crate) trait LinearSystem {
-    /// `A x`.
-    fn multiply(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>>;
-    /// The diagonal of `A`.
-    fn diagonal(&self) -> Vec<f64>;
-}
-
 /// Solves `A x = b` by conjugate gradients, preconditioned by the diagonal (Hestenes and Stiefel 1952), until
 /// the residual in the norm of the inverse diagonal is this share of that of `x = 0`. The solution is as
-/// good as 1000 iterations make it where `A` is ill conditioned.
+/// good as 1000 iterations make it where `A` is ill conditioned; `None` where its diagonal is not positive.
+///
+/// `A` is symmetric, positive definite, given by its products, and acts alike on the three coordinates of
+/// points.
 pub(crate) fn conjugate_gradients(
-    system: &impl LinearSystem,
+    multiply: impl Fn(&[Vector3<f64>]) -> Vec<Vector3<f64>>,
+    diagonal: &[f64],
     right: &[Vector3<f64>],
     tolerance: f64,
-) -> Vec<Vector3<f64>> {
-    let diagonal = system.diagonal();
+) -> Option<Vec<Vector3<f64>>> {
+    if !diagonal.iter().all(|&entry| entry > 0.0) {
+        return None;
+    }
     let precondition = |residual: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
-        residual
-            .iter()
-            .zip(&diagonal)
-            .map(|(r, d)| r / *d)
-            .collect()
+        residual.iter().zip(diagonal).map(|(r, d)| r / *d).collect()
     };
     let mut solution = vec![Vector3::zeros(); right.len()];
     let mut residual = right.to_vec();
@@ -37,7 +31,7 @@ pub(crate) fn conjugate_gradients(
         if size <= enough || size.is_nan() {
             break;
         }
-        let image = system.multiply(&direction);
+        let image = multiply(&direction);
         let step = size / dot(&direction, &image);
         for (k, d) in direction.iter_mut().enumerate() {
             solution[k] += *d * step;
@@ -50,7 +44,7 @@ pub(crate) fn conjugate_gradients(
         }
         size = smaller;
     }
-    solution
+    Some(solution)
 }
 
 fn dot(x: &[Vector3<f64>], y: &[Vector3<f64>]) -> f64 {

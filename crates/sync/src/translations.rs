@@ -2,7 +2,7 @@ use gmpcr_posegraph::PoseGraph;
 use nalgebra::{DMatrix, Rotation3, Vector3};
 
 use crate::cholesky::SparseCholesky;
-use crate::conjugate_gradients::{LinearSystem, conjugate_gradients};
+use crate::conjugate_gradients::conjugate_gradients;
 use crate::pattern::GroundedPattern;
 use crate::subgraph::{Measurement, Subgraph, relative};
 
@@ -158,16 +158,13 @@ impl GroundedLaplacian {
         let right = self.right_side(offsets);
         let solution = match &mut self.factored {
             Some(factored) => factored.solve(&right)?,
-            None => self.iterate(&right, tolerance)?,
+            None => {
+                let multiply = |x: &[_]| self.multiply(x);
+                conjugate_gradients(multiply, &self.diagonal(), &right, tolerance)?
+            }
         };
         let is_finite = |p: &Vector3<f64>| p.iter().all(|x| x.is_finite());
         solution.iter().all(is_finite).then_some(solution)
-    }
-
-    /// `None` where the weights of a node have all vanished, so that it has no place.
-    fn iterate(&self, right: &[Vector3<f64>], tolerance: f64) -> Option<Vec<Vector3<f64>>> {
-        let is_determined = self.diagonal().iter().all(|&degree| degree > 0.0);
-        is_determined.then(|| conjugate_gradients(self, right, tolerance))
     }
 
     /// The right side of the normal equations.
@@ -195,6 +192,29 @@ impl GroundedLaplacian {
             0.0 => 0.0,
             all => size(&residual) / all,
         }
+    }
+
+    /// The product with the matrix, whose row and column of node 0 are those of the identity.
+    fn multiply(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let mut y = vec![Vector3::zeros(); x.len()];
+        for (i, j, weight) in self.links() {
+            let difference = (x[i] - x[j]) * weight;
+            y[i] += difference;
+            y[j] -= difference;
+        }
+        y[0] = x[0];
+        y
+    }
+
+    /// Its diagonal.
+    fn diagonal(&self) -> Vec<f64> {
+        let mut degrees = vec![0.0; self.num_nodes];
+        for (i, j, weight) in self.links() {
+            degrees[i] += weight;
+            degrees[j] += weight;
+        }
+        degrees[0] = 1.0;
+        degrees
     }
 
     /// The nodes of each measurement and its weight.
@@ -237,29 +257,6 @@ impl Factored {
         let position = |row: usize| rows.fixed_view::<1, 3>(row, 0).transpose();
         let held = std::iter::once(Vector3::zeros());
         Some(held.chain((0..rows.nrows()).map(position)).collect())
-    }
-}
-
-impl LinearSystem for GroundedLaplacian {
-    fn multiply(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let mut y = vec![Vector3::zeros(); x.len()];
-        for (i, j, weight) in self.links() {
-            let difference = (x[i] - x[j]) * weight;
-            y[i] += difference;
-            y[j] -= difference;
-        }
-        y[0] = x[0];
-        y
-    }
-
-    fn diagonal(&self) -> Vec<f64> {
-        let mut degrees = vec![0.0; self.num_nodes];
-        for (i, j, weight) in self.links() {
-            degrees[i] += weight;
-            degrees[j] += weight;
-        }
-        degrees[0] = 1.0;
-        degrees
     }
 }
 
