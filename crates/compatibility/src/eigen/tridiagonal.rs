@@ -5,17 +5,15 @@ const MAX_STEPS: usize = 100;
 #[derive(Default)]
 pub(super) struct Tridiagonal {
     diagonal: Vec<f64>,
-    /// One less than on the diagonal.
+    /// What ties each row to the one before; zero for the first.
     beside: Vec<f64>,
 }
 
 impl Tridiagonal {
-    /// Adds a row, which is tied to the last by `beside`.
+    /// Adds a row, which is tied to the last by `beside`: zero for the first.
     pub fn push(&mut self, diagonal: f64, beside: f64) {
-        if !self.diagonal.is_empty() {
-            self.beside.push(beside);
-        }
         self.diagonal.push(diagonal);
+        self.beside.push(beside);
     }
 
     /// The largest eigenvalue, which is to be positive, and its unit eigenvector. `None` for the zero matrix
@@ -59,8 +57,8 @@ impl Tridiagonal {
     /// The largest row sum of absolute values (Gershgorin).
     fn bound(&self) -> f64 {
         let row = |k: usize| {
-            let before = if k > 0 { self.beside[k - 1] } else { 0.0 };
-            self.diagonal[k].abs() + before + self.beside.get(k).copied().unwrap_or(0.0)
+            let after = self.beside.get(k + 1).copied().unwrap_or(0.0);
+            self.diagonal[k].abs() + self.beside[k] + after
         };
         (0..self.diagonal.len()).map(row).fold(0.0, f64::max)
     }
@@ -74,8 +72,7 @@ impl Tridiagonal {
         let (mut first_sum, mut second_sum) = (0.0, 0.0);
         // A pivot and its first two derivatives by the shift.
         let (mut pivot, mut slope, mut curvature) = (1.0, 0.0, 0.0);
-        for (k, &diagonal) in self.diagonal.iter().enumerate() {
-            let tie = if k > 0 { self.beside[k - 1] } else { 0.0 };
+        for (diagonal, tie) in self.diagonal.iter().zip(&self.beside) {
             let inverse = 1.0 / pivot;
             let square = tie * tie * inverse;
             let relative = slope * inverse;
@@ -99,15 +96,15 @@ impl Tridiagonal {
         for k in 0..x.len() {
             let mut pivot = shift - self.diagonal[k];
             if k > 0 {
-                let factor = self.beside[k - 1] / pivots[k - 1];
-                pivot -= factor * self.beside[k - 1];
+                let factor = self.beside[k] / pivots[k - 1];
+                pivot -= factor * self.beside[k];
                 x[k] += factor * x[k - 1];
             }
             pivots.push(pivot.max(f64::EPSILON)); // the scale is one
         }
         for k in (0..x.len()).rev() {
             if k + 1 < x.len() {
-                x[k] += self.beside[k] * x[k + 1];
+                x[k] += self.beside[k + 1] * x[k + 1];
             }
             x[k] /= pivots[k];
         }
@@ -125,7 +122,7 @@ mod tests {
         let size = matrix.diagonal.len();
         DMatrix::from_fn(size, size, |row, column| match row.abs_diff(column) {
             0 => matrix.diagonal[row],
-            1 => matrix.beside[row.min(column)],
+            1 => matrix.beside[row.max(column)],
             _ => 0.0,
         })
     }
