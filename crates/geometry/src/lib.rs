@@ -12,6 +12,7 @@
 //! - [`PointPairs`]: corresponding points of two scans, finite and of equal number.
 //! - [`SignedSvd3`] and [`nearest_rotation`]: projection of a 3×3 matrix onto SO(3).
 //! - [`rotation_angle`] and [`angular_distance`]: exact from 0 to 180°.
+//! - [`InvalidParameter`]: what the parameter checks of all crates return.
 //!
 //! ```
 //! use gmpcr_geometry::{angular_distance, nearest_rotation};
@@ -22,11 +23,15 @@
 //! assert!(angular_distance(&nearest_rotation(&scaled), &rotation) < 1e-14);
 //! ```
 
+#[cfg(feature = "serde")]
+pub mod matrix_rows;
 mod pairs;
+mod parameter;
 mod rotation;
 mod svd;
 
 pub use pairs::{MAX_COORDINATE, PairsError, PointPairs, is_usable};
+pub use parameter::InvalidParameter;
 pub use rotation::{angular_distance, isometry, nearest_rotation, rotation_angle};
 pub use svd::SignedSvd3;
 
