@@ -168,7 +168,7 @@ impl<'a> Search<'a> {
 
 impl Level {
     /// Branches on the open nodes that the pivot is not adjacent to; the pivot is the open or tried
-    /// node with the most open neighbours (ties: lower index, open first).
+    /// node with the most open neighbors (ties: lower index, open first).
     fn choose_branches(&mut self, graph: &BitGraph) {
         let mut most = None;
         for node in ones(&self.open).chain(ones(&self.tried)) {

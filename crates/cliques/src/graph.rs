@@ -60,7 +60,7 @@ impl BitGraph {
         contains(self.neighbors(i), j)
     }
 
-    /// The neighbours of node `i` as a bit set.
+    /// The neighbors of node `i` as a bit set.
     pub(crate) fn neighbors(&self, i: usize) -> &[u64] {
         &self.rows[i * self.words_per_row..(i + 1) * self.words_per_row]
     }
@@ -69,7 +69,7 @@ impl BitGraph {
         self.words_per_row
     }
 
-    /// Nodes in degeneracy order (Matula and Beck 1983): each has the fewest neighbours among the
+    /// Nodes in degeneracy order (Matula and Beck 1983): each has the fewest neighbors among the
     /// nodes from it on (ties: lower index).
     pub(crate) fn degeneracy_order(&self) -> Vec<usize> {
         let mut degree: Vec<usize> = (0..self.size).map(|i| count(self.neighbors(i))).collect();

@@ -9,9 +9,9 @@ pub struct Degenerate {
     pub rank: usize,
 }
 
-/// The rigid motion that best maps the source points onto the target points.
+/// The rigid transformation that best maps the source points onto the target points.
 ///
-/// Minimises `Σ_m w_m ‖target_m − target_from_source · source_m‖²` over SE(3) (Kabsch 1976;
+/// Minimizes `Σ_m w_m ‖target_m − target_from_source · source_m‖²` over SE(3) (Kabsch 1976;
 /// Umeyama, TPAMI 1991): never a reflection, exact for planar and nearly collinear sets. `weights`
 /// holds one nonnegative weight per pair; `None`, or weights that are all zero, weigh all alike.
 /// Lengths keep the unit of the input. `O(M)`.
@@ -27,17 +27,17 @@ pub struct Degenerate {
 /// use gmpcr_geometry::PointPairs;
 /// use nalgebra::{Isometry3, Point3, Vector3};
 ///
-/// let motion = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.0, 0.0, 1.5));
+/// let transformation = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.0, 0.0, 1.5));
 /// let source = vec![Point3::origin(), Point3::new(1.0, 0.0, 0.0), Point3::new(0.0, 2.0, 0.0)];
-/// let target = source.iter().map(|p| motion * p).collect();
+/// let target = source.iter().map(|p| transformation * p).collect();
 /// let found = kabsch(&PointPairs::new(target, source)?, None)?;
-/// assert!((found.to_matrix() - motion.to_matrix()).norm() < 1e-14);
+/// assert!((found.to_matrix() - transformation.to_matrix()).norm() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn kabsch(pairs: &PointPairs, weights: Option<&[f64]>) -> Result<Isometry3<f64>, Degenerate> {
     let weights = usable_weights(pairs.len(), weights);
-    let target = Centred::new(pairs.target(), &weights);
-    let source = Centred::new(pairs.source(), &weights);
+    let target = Centered::new(pairs.target(), &weights);
+    let source = Centered::new(pairs.source(), &weights);
     let mut covariance = Matrix3::zeros();
     for ((weight, x), y) in weights.iter().zip(&target.offsets).zip(&source.offsets) {
         covariance += x * y.transpose() * *weight;
@@ -65,7 +65,7 @@ fn usable_weights(len: usize, weights: Option<&[f64]>) -> Vec<f64> {
 
 /// Points relative to their weighted mean, and to their size: no square of them can overflow or
 /// vanish.
-struct Centred {
+struct Centered {
     centroid: Vector3<f64>,
     /// Offsets from the centroid in units of the largest coordinate among them.
     offsets: Vec<Vector3<f64>>,
@@ -74,7 +74,7 @@ struct Centred {
     distance: f64,
 }
 
-impl Centred {
+impl Centered {
     fn new(points: &[Point3<f64>], weights: &[f64]) -> Self {
         let weighted = points.iter().zip(weights);
         let centroid: Vector3<f64> = weighted.map(|(p, w)| p.coords * *w).sum();
@@ -104,7 +104,7 @@ mod tests {
 
     use super::*;
 
-    fn motion() -> impl Strategy<Value = Isometry3<f64>> {
+    fn transformation() -> impl Strategy<Value = Isometry3<f64>> {
         let vector = || prop::array::uniform3(-3.0..3.0f64).prop_map(Vector3::from);
         (vector(), vector()).prop_map(|(t, r)| Isometry3::new(t, r))
     }
@@ -114,13 +114,13 @@ mod tests {
         prop::collection::vec(point, range)
     }
 
-    fn moved(source: Vec<Point3<f64>>, motion: &Isometry3<f64>) -> PointPairs {
-        let target = source.iter().map(|p| motion * p).collect();
+    fn moved(source: Vec<Point3<f64>>, transformation: &Isometry3<f64>) -> PointPairs {
+        let target = source.iter().map(|p| transformation * p).collect();
         PointPairs::new(target, source).unwrap()
     }
 
-    fn cost(pairs: &PointPairs, weights: &[f64], motion: &Isometry3<f64>) -> f64 {
-        let squares = pairs.residuals(motion).zip(weights);
+    fn cost(pairs: &PointPairs, weights: &[f64], transformation: &Isometry3<f64>) -> f64 {
+        let squares = pairs.residuals(transformation).zip(weights);
         squares.map(|(r, w)| w * r * r).sum()
     }
 
@@ -130,20 +130,20 @@ mod tests {
 
     proptest! {
         #[test]
-        fn recovers_the_motion_of_noise_free_points(source in points(4..12), motion in motion()) {
-            let found = kabsch(&moved(source, &motion), None).unwrap();
-            prop_assert!(difference(&found, &motion) < 1e-11);
+        fn recovers_the_transformation_of_noise_free_points(source in points(4..12), transformation in transformation()) {
+            let found = kabsch(&moved(source, &transformation), None).unwrap();
+            prop_assert!(difference(&found, &transformation) < 1e-11);
         }
 
         #[test]
-        fn recovers_the_motion_of_planar_points(source in points(6..12), motion in motion()) {
+        fn recovers_the_transformation_of_planar_points(source in points(6..12), transformation in transformation()) {
             let flat = source.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
-            let found = kabsch(&moved(flat, &motion), None).unwrap();
-            prop_assert!(difference(&found, &motion) < 1e-11);
+            let found = kabsch(&moved(flat, &transformation), None).unwrap();
+            prop_assert!(difference(&found, &transformation) < 1e-11);
         }
 
         #[test]
-        fn swapping_target_and_source_inverts_the_motion(target in points(8..9), source in points(8..9)) {
+        fn swapping_target_and_source_inverts_the_transformation(target in points(8..9), source in points(8..9)) {
             let pairs = PointPairs::new(target, source).unwrap();
             let forward = kabsch(&pairs, None).unwrap();
             let backward = kabsch(&pairs.swapped(), None).unwrap();
@@ -153,9 +153,9 @@ mod tests {
         }
 
         #[test]
-        fn no_motion_nearby_costs_less(
+        fn no_transformation_nearby_costs_less(
             target in points(6..7), source in points(6..7),
-            weights in prop::array::uniform6(0.01..1.0f64), step in motion(),
+            weights in prop::array::uniform6(0.01..1.0f64), step in transformation(),
         ) {
             let pairs = PointPairs::new(target, source).unwrap();
             let best = kabsch(&pairs, Some(&weights)).unwrap();
@@ -177,7 +177,8 @@ mod tests {
 
     #[test]
     fn nearly_collinear_points_keep_their_digits() {
-        let motion = Isometry3::new(Vector3::new(0.3, 0.1, -2.0), Vector3::new(1.0, 2.0, -0.5));
+        let transformation =
+            Isometry3::new(Vector3::new(0.3, 0.1, -2.0), Vector3::new(1.0, 2.0, -0.5));
         let source = (0..20)
             .map(|k| {
                 Point3::new(
@@ -187,21 +188,21 @@ mod tests {
                 )
             })
             .collect();
-        let found = kabsch(&moved(source, &motion), None).unwrap();
-        assert!(difference(&found, &motion) < 1e-10);
+        let found = kabsch(&moved(source, &transformation), None).unwrap();
+        assert!(difference(&found, &transformation) < 1e-10);
     }
 
     #[test]
     fn extreme_scales_of_points_and_weights_keep_the_digits() {
-        let motion = Isometry3::rotation(Vector3::new(0.4, -1.0, 0.3));
+        let transformation = Isometry3::rotation(Vector3::new(0.4, -1.0, 0.3));
         for scale in [1e-160, 1e-100, 1e-9, 1e9, 1e99] {
             let source = (0..7).map(|k| k as f64);
             let source = source.map(|k| Point3::new(k.sin(), k.cos(), (2.0 * k).sin()) * scale);
-            let pairs = moved(source.collect(), &motion);
+            let pairs = moved(source.collect(), &transformation);
             for weight in [1e-300, 1.0, 1e308] {
                 let found = kabsch(&pairs, Some(&[weight; 7])).unwrap();
                 assert!(
-                    found.rotation.angle_to(&motion.rotation) < 1e-13,
+                    found.rotation.angle_to(&transformation.rotation) < 1e-13,
                     "{scale}, {weight}"
                 );
                 assert!(
@@ -228,24 +229,25 @@ mod tests {
 
     #[test]
     fn degenerate_sets_are_rejected_wherever_they_lie() {
-        let motion = Isometry3::new(Vector3::new(5.0, 6.0, 7.0), Vector3::new(1.0, 2.0, -0.5));
+        let transformation =
+            Isometry3::new(Vector3::new(5.0, 6.0, 7.0), Vector3::new(1.0, 2.0, -0.5));
         for offset in [0.0, 10.0, 1e4, 1e7] {
             let place = |x: f64| Point3::new(offset + x / 3.0, offset - x / 7.0, offset + x / 11.0);
             for n in 0..4 {
                 let line: Vec<_> = (0..n).map(|k| place(k as f64)).collect();
                 assert!(
-                    kabsch(&moved(line, &motion), None).is_err(),
+                    kabsch(&moved(line, &transformation), None).is_err(),
                     "{n} points on a line"
                 );
             }
             let equal = vec![place(0.0); 9];
             assert!(
-                kabsch(&moved(equal, &motion), None).is_err(),
+                kabsch(&moved(equal, &transformation), None).is_err(),
                 "nine equal points"
             );
             let two = [place(0.0), place(1.0)].repeat(5);
             assert!(
-                kabsch(&moved(two, &motion), None).is_err(),
+                kabsch(&moved(two, &transformation), None).is_err(),
                 "two distinct points"
             );
         }
@@ -253,14 +255,14 @@ mod tests {
 
     #[test]
     fn weights_that_are_all_zero_weigh_all_alike() {
-        let motion = Isometry3::new(Vector3::x(), Vector3::z());
+        let transformation = Isometry3::new(Vector3::x(), Vector3::z());
         let source = vec![
             Point3::origin(),
             Point3::new(1.0, 0.0, 0.0),
             Point3::new(0.0, 2.0, 1.0),
         ];
-        let pairs = moved(source, &motion);
+        let pairs = moved(source, &transformation);
         let found = kabsch(&pairs, Some(&[0.0; 3])).unwrap();
-        assert!(difference(&found, &motion) < 1e-14);
+        assert!(difference(&found, &transformation) < 1e-14);
     }
 }

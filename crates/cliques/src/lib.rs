@@ -1,6 +1,6 @@
 //! The relative pose of two scans from correspondences of which many may be wrong.
 //!
-//! Correspondences that obey one rigid motion are pairwise compatible: they form a clique of the
+//! Correspondences that obey one rigid transformation are pairwise compatible: they form a clique of the
 //! compatibility graph. So every large maximal clique is a hypothesis (Zhang et al., "3D
 //! registration with maximal cliques", CVPR 2023; paper, section "Clique-Based Transformation
 //! Estimation"):
@@ -41,8 +41,8 @@ pub use ranking::{RankedClique, RankedCliques, rank_cliques};
 pub struct CliqueParams {
     /// Cliques that generate hypotheses, `K_c`; at least 1. Default 10.
     pub max_cliques: usize,
-    /// Distance below which a correspondence supports a motion, `τ_in`, in the unit of the points;
-    /// positive. Default 0.10 (metres, indoor scans).
+    /// Distance below which a correspondence supports a transformation, `τ_in`, in the unit of the points;
+    /// positive. Default 0.10 (meters, indoor scans).
     pub inlier_threshold: f64,
     /// First-order affinity above which two correspondences may share a clique, in [0, 1). The
     /// default 0 keeps every compatible pair; higher values thin out dense graphs.

@@ -14,12 +14,12 @@ pub struct Compatibility<'a> {
     pub response: &'a DVector<f64>,
 }
 
-/// A rigid motion between two scans and what supports it.
+/// A rigid transformation between two scans and what supports it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RelativePose {
-    /// The motion from the source's (scan j's) frame into the target's (scan i's).
+    /// The transformation from the source's (scan j's) frame into the target's (scan i's).
     pub target_from_source: Isometry3<f64>,
-    /// Share of the correspondences that the motion explains.
+    /// Share of the correspondences that the transformation explains.
     pub inlier_ratio: f64,
     /// The clique that generated it.
     pub clique: RankedClique,
@@ -28,7 +28,7 @@ pub struct RelativePose {
 /// The outcome of [`estimate_pose`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseEstimate {
-    /// The best hypothesis; `None` where no clique of three determines a motion.
+    /// The best hypothesis; `None` where no clique of three determines a transformation.
     pub pose: Option<RelativePose>,
     /// Maximal cliques with at least three nodes that were seen.
     pub cliques_seen: usize,
@@ -36,12 +36,12 @@ pub struct PoseEstimate {
     pub budget_exhausted: bool,
 }
 
-/// Estimates the motion between two scans from their correspondences and compatibility.
+/// Estimates the transformation between two scans from their correspondences and compatibility.
 ///
 /// Nodes of the clique graph are the correspondences; an edge joins two of positive second-order
 /// affinity whose first-order affinity exceeds `params.min_affinity`. Each of the top `K_c` maximal
-/// cliques gives a motion by [`kabsch`], weighted by the spectral response; degenerate cliques are
-/// skipped. The motion of highest [`inlier_ratio`] over *all* correspondences wins, on ties that of
+/// cliques gives a transformation by [`kabsch`], weighted by the spectral response; degenerate cliques are
+/// skipped. The transformation of highest [`inlier_ratio`] over *all* correspondences wins, on ties that of
 /// the higher mean affinity.
 ///
 /// # Panics
@@ -96,16 +96,16 @@ fn best_hypothesis(
     let mut best: Option<RelativePose> = None;
     for clique in cliques {
         let weights: Vec<f64> = clique.nodes.iter().map(|&m| response[m]).collect();
-        let Ok(motion) = kabsch(&pairs.select(&clique.nodes), Some(&weights)) else {
+        let Ok(transformation) = kabsch(&pairs.select(&clique.nodes), Some(&weights)) else {
             continue;
         };
-        let inlier_ratio = inlier_ratio(pairs, &motion, inlier_threshold);
+        let inlier_ratio = inlier_ratio(pairs, &transformation, inlier_threshold);
         if best
             .as_ref()
             .is_none_or(|best| inlier_ratio > best.inlier_ratio)
         {
             best = Some(RelativePose {
-                target_from_source: motion,
+                target_from_source: transformation,
                 inlier_ratio,
                 clique,
             });
@@ -114,7 +114,7 @@ fn best_hypothesis(
     best
 }
 
-/// Share of the correspondences that a motion explains,
+/// Share of the correspondences that a transformation explains,
 /// `IR = |{m : ‖x_m^i − (R x_m^j + t)‖ < τ_in}| / M`; zero of an empty set.
 pub fn inlier_ratio(
     pairs: &PointPairs,
@@ -132,9 +132,9 @@ mod tests {
 
     use super::*;
 
-    /// `num_true` pairs of one motion and as many of another, each group mutually compatible.
-    fn two_motions(sizes: [usize; 2], affinity: [f64; 2]) -> (PointPairs, DMatrix<f64>) {
-        let motions = [
+    /// `num_true` pairs of one transformation and as many of another, each group mutually compatible.
+    fn two_transformations(sizes: [usize; 2], affinity: [f64; 2]) -> (PointPairs, DMatrix<f64>) {
+        let transformations = [
             Isometry3::new(Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.5, 0.0)),
             Isometry3::new(Vector3::new(0.0, 5.0, 0.0), Vector3::new(1.0, 0.0, 0.0)),
         ];
@@ -143,7 +143,9 @@ mod tests {
         let source: Vec<_> = (0..count)
             .map(|k| Point3::new((k as f64).sin(), (k as f64 * 1.7).cos(), k as f64 * 0.1))
             .collect();
-        let target = (0..count).map(|k| motions[group(k)] * source[k]).collect();
+        let target = (0..count)
+            .map(|k| transformations[group(k)] * source[k])
+            .collect();
         let scg = DMatrix::from_fn(count, count, |m, n| {
             if m != n && group(m) == group(n) {
                 affinity[group(m)]
@@ -165,8 +167,8 @@ mod tests {
     }
 
     #[test]
-    fn the_better_supported_motion_wins_over_the_higher_affinity() {
-        let (pairs, scg) = two_motions([4, 7], [0.9, 0.5]);
+    fn the_better_supported_transformation_wins_over_the_higher_affinity() {
+        let (pairs, scg) = two_transformations([4, 7], [0.9, 0.5]);
         let found = estimate(&pairs, &scg, &CliqueParams::default());
         let pose = found.pose.unwrap();
         assert_eq!(pose.clique.nodes, (4..11).collect::<Vec<_>>());
@@ -176,7 +178,7 @@ mod tests {
 
     #[test]
     fn equal_support_goes_to_the_higher_affinity() {
-        let (pairs, scg) = two_motions([5, 5], [0.5, 0.9]);
+        let (pairs, scg) = two_transformations([5, 5], [0.5, 0.9]);
         let pose = estimate(&pairs, &scg, &CliqueParams::default())
             .pose
             .unwrap();
@@ -185,7 +187,7 @@ mod tests {
 
     #[test]
     fn only_the_top_cliques_generate_hypotheses() {
-        let (pairs, scg) = two_motions([4, 7], [0.9, 0.5]);
+        let (pairs, scg) = two_transformations([4, 7], [0.9, 0.5]);
         let params = CliqueParams {
             max_cliques: 1,
             ..Default::default()
@@ -195,8 +197,8 @@ mod tests {
     }
 
     #[test]
-    fn swapping_the_scans_inverts_the_motion() {
-        let (pairs, scg) = two_motions([4, 7], [0.9, 0.5]);
+    fn swapping_the_scans_inverts_the_transformation() {
+        let (pairs, scg) = two_transformations([4, 7], [0.9, 0.5]);
         let forward = estimate(&pairs, &scg, &CliqueParams::default())
             .pose
             .unwrap();
@@ -210,7 +212,7 @@ mod tests {
 
     #[test]
     fn a_threshold_on_first_order_affinities_thins_the_graph() {
-        let (pairs, scg) = two_motions([4, 7], [0.9, 0.5]);
+        let (pairs, scg) = two_transformations([4, 7], [0.9, 0.5]);
         let params = CliqueParams {
             min_affinity: 0.6,
             ..Default::default()
@@ -229,7 +231,7 @@ mod tests {
 
     #[test]
     fn an_exhausted_budget_is_reported_with_the_best_so_far() {
-        let (pairs, scg) = two_motions([4, 7], [0.9, 0.5]);
+        let (pairs, scg) = two_transformations([4, 7], [0.9, 0.5]);
         let params = CliqueParams {
             work_budget: 5,
             ..Default::default()

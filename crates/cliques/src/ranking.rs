@@ -2,7 +2,7 @@ use nalgebra::DMatrix;
 
 use crate::{BitGraph, CliqueParams, Enumeration, for_each_maximal_clique};
 
-/// The smallest set that determines a rigid motion.
+/// The smallest set that determines a rigid transformation.
 const MIN_CLIQUE_SIZE: usize = 3;
 
 /// A maximal clique and its rank value.

@@ -76,16 +76,20 @@ fn cliques_motions_and_support_are_the_reference_ones() {
             assert_relative_eq!(clique.mean_affinity, affinity, max_relative = 1e-9);
 
             let weights: Vec<f64> = clique.nodes.iter().map(|&m| response[m]).collect();
-            let motion = kabsch(&pairs.select(&clique.nodes), Some(&weights)).unwrap();
-            let rotation = motion.rotation.to_rotation_matrix();
+            let transformation = kabsch(&pairs.select(&clique.nodes), Some(&weights)).unwrap();
+            let rotation = transformation.rotation.to_rotation_matrix();
             assert_relative_eq!(
                 rotation.matrix(),
                 &matrix(&expected["rotation"]),
                 epsilon = 1e-9
             );
             let translation = Vector3::from_vec(numbers(&expected["translation"]));
-            assert_relative_eq!(motion.translation.vector, translation, epsilon = 1e-9);
-            let support = inlier_ratio(&pairs, &motion, number(&case["tau_in"]));
+            assert_relative_eq!(
+                transformation.translation.vector,
+                translation,
+                epsilon = 1e-9
+            );
+            let support = inlier_ratio(&pairs, &transformation, number(&case["tau_in"]));
             assert_relative_eq!(support, number(&expected["inlier_ratio"]), epsilon = 1e-12);
         }
     }

@@ -90,11 +90,12 @@ mod tests {
         let source: Vec<_> = (0..count)
             .map(|k| Point3::new(wave(k, 1.3), wave(k, 2.9), wave(k, 4.7)))
             .collect();
-        let motion = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, -1.0, 0.5));
+        let transformation =
+            Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, -1.0, 0.5));
         let target = (0..count)
             .map(|k| {
                 if k < num_true {
-                    motion * source[k]
+                    transformation * source[k]
                 } else {
                     source[(k * 7 + 3) % count]
                 }

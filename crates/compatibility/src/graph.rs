@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, Point3};
 /// let source = target.iter().map(|p| p + Vector3::new(5.0, 5.0, 5.0)).collect();
 /// let graph = CompatibilityGraph::new(&PointPairs::new(target, source)?, 0.1);
 /// assert_eq!(graph.fcg()[(0, 1)], 1.0); // a translation preserves all distances
-/// assert_eq!(graph.scg()[(0, 1)], 1.0); // one common neighbour, fully compatible
+/// assert_eq!(graph.scg()[(0, 1)], 1.0); // one common neighbor, fully compatible
 /// # Ok::<(), gmpcr_geometry::PairsError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -206,8 +206,8 @@ mod tests {
         fn moving_a_scan_or_swapping_the_scans_changes_nothing(pairs in pairs(), r in prop::array::uniform3(-3.0..3.0f64)) {
             let graph = CompatibilityGraph::new(&pairs, 0.2);
             prop_assert_eq!(&CompatibilityGraph::new(&pairs.swapped(), 0.2), &graph);
-            let motion = Isometry3::new(Vector3::new(1.0, -2.0, 3.0), Vector3::from(r));
-            let moved = pairs.source().iter().map(|p| motion * p).collect();
+            let transformation = Isometry3::new(Vector3::new(1.0, -2.0, 3.0), Vector3::from(r));
+            let moved = pairs.source().iter().map(|p| transformation * p).collect();
             let moved = PointPairs::new(pairs.target().to_vec(), moved).unwrap();
             assert_relative_eq!(CompatibilityGraph::new(&moved, 0.2).scg(), graph.scg(), epsilon = 1e-10);
         }
@@ -225,8 +225,9 @@ mod tests {
         let source: Vec<_> = (0..6)
             .map(|k| Point3::new(k as f64, (k * k) as f64, 0.3))
             .collect();
-        let motion = Isometry3::new(Vector3::new(4.0, 0.0, -1.0), Vector3::new(0.2, 0.4, 3.0));
-        let target = source.iter().map(|p| motion * p).collect();
+        let transformation =
+            Isometry3::new(Vector3::new(4.0, 0.0, -1.0), Vector3::new(0.2, 0.4, 3.0));
+        let target = source.iter().map(|p| transformation * p).collect();
         let graph = CompatibilityGraph::new(&PointPairs::new(target, source).unwrap(), 0.1);
         let complete = |value: f64| DMatrix::from_fn(6, 6, |m, n| if m == n { 0.0 } else { value });
         assert_relative_eq!(graph.fcg(), &complete(1.0), epsilon = 1e-12);

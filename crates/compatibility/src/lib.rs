@@ -1,6 +1,6 @@
 //! Which correspondences of a scan pair agree with each other, and how much of a pair agrees.
 //!
-//! A rigid motion preserves distances. Two correspondences `m`, `n` of scans i and j are therefore
+//! A rigid transformation preserves distances. Two correspondences `m`, `n` of scans i and j are therefore
 //! compatible where the distance between their points is the same in both scans:
 //!
 //! ```text
@@ -10,11 +10,11 @@
 //! B v  = λ v                                          dominant eigenvector, nonnegative
 //! ```
 //!
-//! An entry of `B` weighs direct agreement by the support of common neighbours, which wrong
+//! An entry of `B` weighs direct agreement by the support of common neighbors, which wrong
 //! correspondences rarely find. The entry `|v_m|` measures how far correspondence `m` takes part in
 //! the largest coherent structure: the top share `r_s` is retained, the graphs are built again on
 //! the retained set, and the dominant eigenvalue of the refined SCG is the pair's *raw confidence*
-//! (paper, section "Spectral Consistency-Guided Scan Pair Selection"). No motion is estimated.
+//! (paper, section "Spectral Consistency-Guided Scan Pair Selection"). No transformation is estimated.
 //!
 //! | step | item |
 //! |---|---|
@@ -35,7 +35,7 @@ pub use graph::CompatibilityGraph;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompatibilityParams {
     /// Rigidity discrepancy at which two correspondences stop being compatible, `τ_c`, in the unit
-    /// of the points; positive. Default 0.10 (metres, indoor scans).
+    /// of the points; positive. Default 0.10 (meters, indoor scans).
     pub tolerance: f64,
     /// Share of the correspondences that is retained, `r_s`, in (0, 1]. One retains all: no
     /// spectral filtering. Default 0.5.

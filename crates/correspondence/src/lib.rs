@@ -10,10 +10,10 @@
 //! | step | function |
 //! |---|---|
 //! | farthest-point sampling in descriptor space | [`farthest_point_sampling`], [`Keypoints::sample`] |
-//! | mutual nearest neighbours, ranked by distance | [`match_descriptors`] |
+//! | mutual nearest neighbors, ranked by distance | [`match_descriptors`] |
 //! | the `N_o` best as point pairs | [`correspondences`] |
 //!
-//! Descriptors are `f32` of any dimension; every decision (which sample, which neighbour, which
+//! Descriptors are `f32` of any dimension; every decision (which sample, which neighbor, which
 //! order) is taken on distances in `f64`. This crate knows nothing of the geometry of a match.
 
 mod descriptors;

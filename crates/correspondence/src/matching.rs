@@ -8,7 +8,7 @@ use gmpcr_geometry::{PairsError, PointPairs};
 use crate::descriptors::squared_distance;
 use crate::{Descriptors, Keypoints};
 
-/// Two descriptors that are each other's nearest neighbour.
+/// Two descriptors that are each other's nearest neighbor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Match {
     /// Row among the first set's descriptors.
@@ -60,7 +60,7 @@ pub fn correspondences(
     Ok(pairs.expect("keypoints come from scans, whose coordinates are finite"))
 }
 
-/// Mutual nearest neighbours of two descriptor sets, in ascending order of Euclidean distance.
+/// Mutual nearest neighbors of two descriptor sets, in ascending order of Euclidean distance.
 ///
 /// A match `(i, j)` is kept only where `j` is nearest to `i` and `i` is nearest to `j`. Equal
 /// distances go to the lower row, and equal matches are ordered by `i`.
@@ -340,7 +340,7 @@ mod tests {
 
     use super::*;
 
-    /// Mutual nearest neighbours as they are defined.
+    /// Mutual nearest neighbors as they are defined.
     fn plain_matches(a: &Descriptors, b: &Descriptors) -> Vec<(usize, usize)> {
         let exact = |i: usize, j: usize| squared_distance(a.row(i), b.row(j));
         let nearest_j = |i| (0..b.len()).min_by(|&j, &k| exact(i, j).total_cmp(&exact(i, k)));

@@ -65,7 +65,7 @@ impl Keypoints {
 
 /// Farthest-point sampling in descriptor space (paper, "Initial Correspondence Construction").
 ///
-/// The first sample is the descriptor farthest from the mean; each further one maximises its
+/// The first sample is the descriptor farthest from the mean; each further one maximizes its
 /// squared L2 distance to the nearest sample so far. Ties go to the lowest index. Because the start
 /// is a property of the set, the sampled set does not depend on the order of the points. All
 /// indices come back, each once, where `num_samples` is the number of descriptors or more.

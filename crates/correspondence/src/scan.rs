@@ -5,7 +5,7 @@ use crate::Descriptors;
 
 /// A scan: points in its own frame and one local descriptor per point.
 ///
-/// Coordinates may have any unit; metres are usual. A scan may be empty: it then matches nothing
+/// Coordinates may have any unit; meters are usual. A scan may be empty: it then matches nothing
 /// and stays unregistered.
 ///
 /// ```

@@ -20,7 +20,7 @@ pub struct Described {
 /// Thins a cloud, estimates normals and describes every point that is left.
 ///
 /// Gives the same bits as [`voxel_grid`], [`estimate_normals`] and [`fpfh`](crate::fpfh) one after
-/// the other, but searches neighbours once, if the descriptors reach at least as far as the
+/// the other, but searches neighbors once, if the descriptors reach at least as far as the
 /// normals in radius and number.
 ///
 /// # Errors
@@ -57,7 +57,7 @@ pub fn describe(points: &[Point3<f64>], params: &FeatureParams) -> Result<Descri
     })
 }
 
-/// Normals of all points, given neighbourhoods that reach at least as far as `params`.
+/// Normals of all points, given neighborhoods that reach at least as far as `params`.
 fn normals_of(
     points: &[Point3<f64>],
     neighborhoods: &Neighborhoods,

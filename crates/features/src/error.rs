@@ -46,8 +46,8 @@ pub enum Error {
         voxel_size: f64,
     },
 
-    /// More points than the neighbour search can number.
-    #[error("{num_points} points, the neighbour search can number 4294967295")]
+    /// More points than the neighbor search can number.
+    #[error("{num_points} points, the neighbor search can number 4294967295")]
     TooManyPoints {
         /// Number of points.
         num_points: usize,

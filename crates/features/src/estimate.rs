@@ -8,11 +8,11 @@ use std::collections::HashSet;
 /// Voxels that the surface of a scan should fill: enough to describe it, few enough that five of
 /// them make out a shape. Rooms of the 3DMatch benchmark fill as many at the customary 5 cm.
 const MAX_VOXELS: usize = 4000;
-/// Mean number of points in a voxel, at least: with fewer, neighbourhoods are too sparse to describe.
+/// Mean number of points in a voxel, at least: with fewer, neighborhoods are too sparse to describe.
 const MIN_POINTS_PER_VOXEL: usize = 2;
 /// Of larger clouds an even sample is counted: four points for each voxel miss 2 % of them.
 const MAX_COUNTED: usize = 4 * MAX_VOXELS;
-/// Points whose nearest neighbour is looked for.
+/// Points whose nearest neighbor is looked for.
 const MAX_SEARCHED: usize = 1000;
 /// The estimate is at most this much above the smallest voxel that would do, as a factor.
 const ACCURACY: f64 = 1.01;
@@ -30,7 +30,7 @@ const ACCURACY: f64 = 1.01;
 /// densely the surface was sampled and on the position of a few points that are far off, unlike
 /// the number of points and the extent. Rooms of the 3DMatch benchmark come out at 5 cm, the bunny
 /// of 15 cm at 2.6 mm. Where a cloud is so sparse that the limit is `n / 2`, voxels hold two points on the
-/// average, so that there are enough neighbours for normals and descriptors.
+/// average, so that there are enough neighbors for normals and descriptors.
 ///
 /// Of more than 16 000 points a sample of 16 000 is counted, so that [`voxel_grid`] keeps up to a
 /// fifth more points: it also meets the voxels that the surface merely grazes. Scans of one scene
@@ -173,7 +173,7 @@ fn sample_indices(len: usize, max_indices: usize) -> impl Iterator<Item = usize>
     })
 }
 
-/// Whether at most `max_voxels` voxels hold points, one of them centred at the origin. Voxels too far
+/// Whether at most `max_voxels` voxels hold points, one of them centered at the origin. Voxels too far
 /// from it for an `i32` to number them count as one.
 fn occupies_at_most(max_voxels: usize, points: &[Vector3<f64>], voxel_size: f64) -> bool {
     let mut voxels: HashSet<[i32; 3]> = HashSet::with_capacity(max_voxels + 1);

@@ -16,9 +16,9 @@ type Histogram = [f64; FPFH_DIMENSION];
 
 /// Fast point feature histogram of each point: how the surface around it bends.
 ///
-/// For every point the three angles between its normal and that of each neighbour are counted in
-/// histograms of eleven bins, in percent of the neighbours: the simplified histogram `SPFH(p)`.
-/// The descriptor adds those of the neighbours `k` at distance `|p - k|`,
+/// For every point the three angles between its normal and that of each neighbor are counted in
+/// histograms of eleven bins, in percent of the neighbors: the simplified histogram `SPFH(p)`.
+/// The descriptor adds those of the neighbors `k` at distance `|p - k|`,
 ///
 /// ```text
 /// FPFH(p) = SPFH(p) + c sum_k SPFH(k) / |p - k|^2 ,
@@ -26,16 +26,16 @@ type Histogram = [f64; FPFH_DIMENSION];
 ///
 /// where `c` makes the second term sum to 100 in each of the three histograms (Rusu, Blodow and
 /// Beetz, ICRA 2009; the squared distance and the percentages are the convention of PCL and
-/// Open3D). Rigid motions of points and normals leave it unchanged, up to pairs that rounding moves
+/// Open3D). Rigid transformations of points and normals leave it unchanged, up to pairs that rounding moves
 /// to another bin: those at a border, and those with equal normals, of which rounding picks the one
 /// that the angles are measured from.
 ///
-/// `normals` are the unit normals of `points`, in the same frame. Neighbours in the same place as
+/// `normals` are the unit normals of `points`, in the same frame. Neighbors in the same place as
 /// the point count in `SPFH` as three angles of zero and are left out of the second term. A point
-/// without neighbours gets 33 zeros.
+/// without neighbors gets 33 zeros.
 ///
-/// Takes O(n log n) for the tree and O(k log k) per point with k neighbours; holds 16 bytes for
-/// each pair of neighbours. Points that coincide in large numbers make the searches quadratic in
+/// Takes O(n log n) for the tree and O(k log k) per point with k neighbors; holds 16 bytes for
+/// each pair of neighbors. Points that coincide in large numbers make the searches quadratic in
 /// that number; [`voxel_grid`](crate::voxel_grid) removes them.
 ///
 /// # Errors
@@ -85,7 +85,7 @@ impl FpfhParams {
     }
 }
 
-/// Descriptors of all points, given the neighbours of each.
+/// Descriptors of all points, given the neighbors of each.
 pub(crate) fn fpfh_of(
     points: &[Point3<f64>],
     normals: &[Vector3<f64>],
@@ -107,7 +107,7 @@ pub(crate) fn fpfh_of(
         .collect()
 }
 
-/// Percentage of neighbours in each bin of each feature; zeros without neighbours.
+/// Percentage of neighbors in each bin of each feature; zeros without neighbors.
 fn spfh<'a>(center: Oriented, neighbors: impl ExactSizeIterator<Item = Oriented<'a>>) -> Histogram {
     let mut histogram = [0.0; FPFH_DIMENSION];
     let percent = 100.0 / neighbors.len() as f64;
@@ -119,7 +119,7 @@ fn spfh<'a>(center: Oriented, neighbors: impl ExactSizeIterator<Item = Oriented<
     histogram.map(|count| if count > 0.0 { count * percent } else { 0.0 })
 }
 
-/// Sum of the neighbours' histograms, the near ones weighing more, scaled to 100 per feature.
+/// Sum of the neighbors' histograms, the near ones weighing more, scaled to 100 per feature.
 fn neighbor_part(neighbors: &[Neighbor], spfh: &[Histogram]) -> Histogram {
     let mut sum = [0.0; FPFH_DIMENSION];
     let coincident = neighbors.partition_point(|neighbor| neighbor.squared_distance == 0.0);
@@ -188,7 +188,7 @@ mod tests {
         let normals = [Vector3::z(), Vector3::z(), Vector3::new(0.6, 0.0, 0.8)];
         let descriptors = fpfh(&points, &normals, &NEAR).unwrap();
         let f2 = &descriptors[1][22..];
-        // Own part: half and half. Neighbours: weights 1 and 1/4, hence 80 and 20.
+        // Own part: half and half. Neighbors: weights 1 and 1/4, hence 80 and 20.
         // f2 of the pair with the tilted normal: (0.6, 0, 0.8) . (-1, 0, 0) = -0.6, bin 2.
         assert_eq!((f2[5], f2[2]), (50.0 + 80.0, 50.0 + 20.0));
     }

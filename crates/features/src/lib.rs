@@ -10,8 +10,8 @@
 //! | fit a plane around every point | [`estimate_normals`] | unit normals that face the sensor |
 //! | describe how the normals around a point turn | [`fpfh`] | fast point feature histograms, 33 numbers |
 //!
-//! [`describe`] does all three with one neighbour search. Lengths, radii and voxel sizes are in
-//! the unit of the input; the defaults of [`FeatureParams`] are for rooms measured in metres. For
+//! [`describe`] does all three with one neighbor search. Lengths, radii and voxel sizes are in
+//! the unit of the input; the defaults of [`FeatureParams`] are for rooms measured in meters. For
 //! other data the cloud itself suggests them:
 //!
 //! | length | function | result |
@@ -29,7 +29,7 @@
 //! use gmpcr_features::{FeatureParams, describe};
 //! use nalgebra::Point3;
 //!
-//! // A sheet of 60 cm x 60 cm, one metre in front of the sensor, a point every centimetre.
+//! // A sheet of 60 cm x 60 cm, one meter in front of the sensor, a point every centimetre.
 //! let cloud: Vec<_> = (0..3600)
 //!     .map(|k| Point3::new((k % 60) as f64 * 0.01, (k / 60) as f64 * 0.01, 1.0))
 //!     .collect();

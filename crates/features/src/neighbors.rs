@@ -8,7 +8,7 @@ use std::num::NonZero;
 
 type Metric = SquaredEuclidean<f64>;
 
-/// Another point of the cloud, seen from the point at the centre of the search.
+/// Another point of the cloud, seen from the point at the center of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Neighbor {
     pub(crate) squared_distance: f64,
@@ -29,7 +29,7 @@ impl Neighbor {
 }
 
 /// How far a search reaches: points strictly closer than `radius`, and of these the nearest
-/// `max_neighbors`, counting the point at the centre.
+/// `max_neighbors`, counting the point at the center.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reach {
     pub(crate) radius: f64,
@@ -109,7 +109,7 @@ impl Search {
             });
     }
 
-    /// The neighbours of every point.
+    /// The neighbors of every point.
     pub(crate) fn everywhere(&self, reach: Reach) -> Neighborhoods {
         let mut all = Neighborhoods {
             ends: Vec::new(),
@@ -132,7 +132,7 @@ fn keep_smallest(neighbors: &mut Vec<Neighbor>, count: usize) {
     }
 }
 
-/// The neighbours of each point of a cloud, nearest first, without the point itself.
+/// The neighbors of each point of a cloud, nearest first, without the point itself.
 pub(crate) struct Neighborhoods {
     ends: Vec<usize>,
     neighbors: Vec<Neighbor>,

@@ -1,10 +1,10 @@
-//! The direction in which a neighbourhood is thinnest.
+//! The direction in which a neighborhood is thinnest.
 
 use crate::neighbors::{Neighbor, Reach, Search};
 use crate::{Error, NormalParams, check};
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 
-/// A neighbourhood whose second largest eigenvalue is below this part of the largest is a line.
+/// A neighborhood whose second largest eigenvalue is below this part of the largest is a line.
 ///
 /// It is then a million times longer than wide, and the rounding of the covariance (1e-16 of the
 /// largest eigenvalue) would turn the normal by 1e-4 and more.
@@ -15,7 +15,7 @@ const MAX_QR_STEPS: usize = 100;
 
 /// Unit normal of the surface around each point, on the side of the viewpoint.
 ///
-/// With `N` the point and its neighbours within reach and `m` their mean, the normal is the
+/// With `N` the point and its neighbors within reach and `m` their mean, the normal is the
 /// eigenvector of the smallest eigenvalue of the covariance `1/|N| sum_N (p - m) (p - m)^T`: the
 /// normal of the plane that fits `N` best in the least-squares sense (Hoppe et al., SIGGRAPH
 /// 1992). Its sign makes `normal . (viewpoint - point) >= 0`. This is Open3D's `EstimateNormals`
@@ -77,7 +77,7 @@ impl NormalParams {
     }
 }
 
-/// Normal of one point, given all neighbours to be fitted.
+/// Normal of one point, given all neighbors to be fitted.
 pub(crate) fn normal_at(
     points: &[Point3<f64>],
     center: usize,
@@ -92,7 +92,7 @@ pub(crate) fn normal_at(
     }
 }
 
-/// Covariance of a point and its neighbours, about the point itself so that distance from the
+/// Covariance of a point and its neighbors, about the point itself so that distance from the
 /// origin costs no digits.
 fn covariance(points: &[Point3<f64>], center: usize, neighbors: &[Neighbor]) -> Matrix3<f64> {
     let mut first = Vector3::zeros();

@@ -3,11 +3,11 @@
 use crate::{Error, check};
 use nalgebra::Point3;
 
-/// Neighbourhood and orientation of [`estimate_normals`](crate::estimate_normals).
+/// Neighborhood and orientation of [`estimate_normals`](crate::estimate_normals).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormalParams {
     /// Only points closer than this are fitted, in the unit of the cloud; from 1e-100 to 1e100.
-    /// Default 0.10 (two voxels of 5 cm, in metres).
+    /// Default 0.10 (two voxels of 5 cm, in meters).
     pub radius: f64,
     /// Fit at most this many of the nearest points, the point itself among them; at least 1.
     /// Default 30.
@@ -17,11 +17,11 @@ pub struct NormalParams {
     pub viewpoint: Point3<f64>,
 }
 
-/// Neighbourhood of [`fpfh`](crate::fpfh).
+/// Neighborhood of [`fpfh`](crate::fpfh).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FpfhParams {
     /// Only points closer than this are compared, in the unit of the cloud; from 1e-100 to
-    /// 1e100. Default 0.25 (five voxels of 5 cm, in metres).
+    /// 1e100. Default 0.25 (five voxels of 5 cm, in meters).
     pub radius: f64,
     /// Compare at most this many of the nearest points, the point itself among them; at least 1.
     /// Default 100.
@@ -38,7 +38,7 @@ pub struct FpfhParams {
 /// assert_eq!(params, FeatureParams::default());
 /// assert_eq!((params.normals.radius, params.fpfh.radius), (0.10, 0.25));
 ///
-/// // The sensor stood two metres above the origin of the scan.
+/// // The sensor stood two meters above the origin of the scan.
 /// let viewpoint = Point3::new(0.0, 0.0, 2.0);
 /// let normals = NormalParams { viewpoint, ..params.normals };
 /// let params = FeatureParams { normals, ..params };
@@ -47,7 +47,7 @@ pub struct FpfhParams {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeatureParams {
     /// Edge of the cubes of which each keeps one point, in the unit of the cloud; from 1e-100 to
-    /// 1e100. Default 0.05 (metres).
+    /// 1e100. Default 0.05 (meters).
     pub voxel_size: f64,
     /// Normals, fitted to the thinned cloud.
     pub normals: NormalParams,
@@ -57,7 +57,7 @@ pub struct FeatureParams {
 
 impl FeatureParams {
     /// The customary radii for a cloud with one point per voxel: two voxels for normals, five for
-    /// descriptors, with at most 30 and 100 neighbours.
+    /// descriptors, with at most 30 and 100 neighbors.
     ///
     /// Five centimetres suit rooms scanned by depth cameras, as in the 3DMatch benchmark.
     #[must_use]

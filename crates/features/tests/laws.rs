@@ -121,12 +121,12 @@ fn every_histogram_of_a_point_with_neighbors_sums_to_two_hundred() {
 }
 
 #[test]
-fn a_rigid_motion_turns_the_normals_and_leaves_the_descriptors() {
+fn a_rigid_transformation_turns_the_normals_and_leaves_the_descriptors() {
     let cloud = bumpy_sheet(800, 4);
-    let motion = Isometry3::new(Vector3::new(3.0, -2.0, 1.0), Vector3::new(0.4, -1.1, 2.0));
-    let moved: Vec<_> = cloud.iter().map(|point| motion * point).collect();
+    let transformation = Isometry3::new(Vector3::new(3.0, -2.0, 1.0), Vector3::new(0.4, -1.1, 2.0));
+    let moved: Vec<_> = cloud.iter().map(|point| transformation * point).collect();
     let moved_params = NormalParams {
-        viewpoint: motion * NORMALS.viewpoint,
+        viewpoint: transformation * NORMALS.viewpoint,
         ..NORMALS
     };
 
@@ -134,7 +134,7 @@ fn a_rigid_motion_turns_the_normals_and_leaves_the_descriptors() {
     let there = describe_all(&moved, &moved_params, &FPFH);
 
     for (here, there) in here.normals.iter().zip(&there.normals) {
-        assert!((motion * here - there).norm() < 1e-9);
+        assert!((transformation * here - there).norm() < 1e-9);
     }
     assert_nearly_all_descriptors_agree(&here.descriptors, &there.descriptors);
     assert!(largest_difference(&here.descriptors[0], &there.descriptors[1]) > 1.0);

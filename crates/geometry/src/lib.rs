@@ -1,18 +1,21 @@
 //! The small rigid geometry that the gmpcr crates share.
 //!
-//! A rigid motion that maps the coordinates of frame `j` into frame `i` is called `i_from_j`:
+//! A rigid transformation that maps the coordinates of frame `j` into frame `i` is called `i_from_j`:
 //!
 //! ```text
 //! x_i = i_from_j * x_j = R_ij x_j + t_ij,     world_from_j = world_from_i * i_from_j
 //! ```
 //!
-//! Adjacent frame names match, so a wrong composition looks wrong. Motions are
+//! Adjacent frame names match, so a mistaken composition shows. Transformations are
 //! [`nalgebra::Isometry3<f64>`], angles are radians, and lengths keep the unit of the input.
 //!
 //! - [`PointPairs`]: corresponding points of two scans, finite and of equal number.
 //! - [`SignedSvd3`] and [`nearest_rotation`]: projection of a 3×3 matrix onto SO(3).
 //! - [`rotation_angle`] and [`angular_distance`]: exact from 0 to 180°.
+//! - [`isometry`]: a transformation from its rotation and translation.
 //! - [`InvalidParameter`]: what the parameter checks of all crates return.
+//! - [`is_usable`] and [`MAX_COORDINATE`]: which coordinates all crates accept.
+//! - `matrix_rows` (feature `serde`): transformations in files.
 //!
 //! ```
 //! use gmpcr_geometry::{angular_distance, nearest_rotation};

@@ -8,10 +8,10 @@ pub fn is_usable(coordinates: &Vector3<f64>) -> bool {
     coordinates.iter().all(|c| c.abs() <= MAX_COORDINATE)
 }
 
-/// Corresponding points of two scans: `target()[m]` and `source()[m]` are claimed to be one place.
+/// Corresponding points of two scans: `target()[m]` and `source()[m]` may be one place.
 ///
 /// For a pair of scans (i, j) the target is scan i and the source scan j, each in its own frame:
-/// the correspondences `C_ij = {(x_m^i, x_m^j)}` of the paper. Any share of them may be wrong.
+/// the correspondences `C_ij = {(x_m^i, x_m^j)}` of the paper. Any fraction of them may be outliers.
 ///
 /// ```
 /// use gmpcr_geometry::PointPairs;
@@ -25,9 +25,32 @@ pub fn is_usable(coordinates: &Vector3<f64>) -> bool {
 /// # Ok::<(), gmpcr_geometry::PairsError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Unchecked")
+)]
 pub struct PointPairs {
     target: Vec<Point3<f64>>,
     source: Vec<Point3<f64>>,
+}
+
+/// Pairs as a file has them.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "PointPairs", deny_unknown_fields)]
+struct Unchecked {
+    target: Vec<Point3<f64>>,
+    source: Vec<Point3<f64>>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for PointPairs {
+    type Error = PairsError;
+
+    fn try_from(pairs: Unchecked) -> Result<Self, PairsError> {
+        Self::new(pairs.target, pairs.source)
+    }
 }
 
 /// Why two lists of points are no [`PointPairs`].
@@ -143,12 +166,12 @@ mod tests {
     }
 
     #[test]
-    fn residuals_vanish_under_the_true_motion_only() {
+    fn residuals_vanish_under_the_transformation_of_the_points_only() {
         let source = vec![Point3::new(1.0, 2.0, 3.0), Point3::new(-1.0, 0.5, 0.0)];
-        let motion = Isometry3::translation(0.0, 3.0, 4.0);
-        let target = source.iter().map(|p| motion * p).collect();
+        let transformation = Isometry3::translation(0.0, 3.0, 4.0);
+        let target = source.iter().map(|p| transformation * p).collect();
         let pairs = PointPairs::new(target, source).unwrap();
-        assert!(pairs.residuals(&motion).all(|r| r < 1e-15));
+        assert!(pairs.residuals(&transformation).all(|r| r < 1e-15));
         assert!(
             pairs
                 .residuals(&Isometry3::identity())

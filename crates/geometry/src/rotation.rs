@@ -31,14 +31,14 @@ pub fn angular_distance(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
 
 /// The rotation that is nearest to `matrix` in the Frobenius norm.
 ///
-/// `U diag(1, 1, det(U Vᵀ)) Vᵀ` of the singular value decomposition, which maximises
+/// `U diag(1, 1, det(U Vᵀ)) Vᵀ` of the singular value decomposition, which maximizes
 /// `tr(Rᵀ M)` over SO(3). It is unique if the second singular value exceeds the third one's
 /// reflection, `σ₂ + sign(det M) σ₃ > 0`; otherwise one of the nearest is returned.
 pub fn nearest_rotation(matrix: &Matrix3<f64>) -> Rotation3<f64> {
     SignedSvd3::new(matrix).nearest_rotation()
 }
 
-/// The rigid motion `x ↦ rotation · x + translation`.
+/// The rigid transformation `x ↦ rotation · x + translation`.
 pub fn isometry(rotation: &Rotation3<f64>, translation: &Vector3<f64>) -> Isometry3<f64> {
     Isometry3::from_parts(
         (*translation).into(),

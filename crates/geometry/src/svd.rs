@@ -18,7 +18,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 /// assert_eq!(svd.singular_values, Vector3::new(3.0, 2.0, -1.0));
 /// assert!((svd.nearest_rotation().matrix() - Matrix3::identity()).norm() < 1e-15);
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct SignedSvd3 {
     /// Left singular vectors, as the columns of a rotation.
     pub u: Matrix3<f64>,
@@ -222,12 +224,12 @@ mod tests {
         }
 
         #[test]
-        fn the_nearest_rotation_turns_with_the_matrix(m in matrix(), axis in prop::array::uniform3(-3.0..3.0f64)) {
+        fn the_nearest_rotation_rotates_with_the_matrix(m in matrix(), axis in prop::array::uniform3(-3.0..3.0f64)) {
             let svd = SignedSvd3::new(&m);
             prop_assume!(svd.singular_values[1] + svd.singular_values[2] > 1e-2);
-            let turn = Rotation3::new(Vector3::from(axis));
-            let turned = SignedSvd3::new(&(turn.matrix() * m)).nearest_rotation();
-            prop_assert!((turned.matrix() - (turn * svd.nearest_rotation()).matrix()).norm() < 1e-11);
+            let rotation = Rotation3::new(Vector3::from(axis));
+            let rotated = SignedSvd3::new(&(rotation.matrix() * m)).nearest_rotation();
+            prop_assert!((rotated.matrix() - (rotation * svd.nearest_rotation()).matrix()).norm() < 1e-11);
         }
     }
 }

@@ -6,12 +6,12 @@ use gmpcr_posegraph::PairConfidences;
 use crate::{RetrievalParams, union};
 
 /// Pairs that are not scored yet, of which either scan proposes the other because they have confident
-/// neighbours in common; `(i, j)`, `i < j`, ascending.
+/// neighbors in common; `(i, j)`, `i < j`, ascending.
 ///
-/// Two scans are neighbours where either is among the `k = candidates_per_expansion` most confident of the
-/// other ([`PairConfidences::top_k_union`]). Scan `i` proposes the `k` scans of largest `Σ s_im s_mj` over the neighbours `m` of both. Pairs of
-/// zero confidence are no neighbours; ties go to the lower index. `O(P log P + Σ_m deg(m)² log N)` for `P`
-/// scored pairs and `deg(m)` neighbours, at most `2 k` on average.
+/// Two scans are neighbors where either is among the `k = candidates_per_expansion` most confident of the
+/// other ([`PairConfidences::top_k_union`]). Scan `i` proposes the `k` scans of largest `Σ s_im s_mj` over the neighbors `m` of both. Pairs of
+/// zero confidence are no neighbors; ties go to the lower index. `O(P log P + Σ_m deg(m)² log N)` for `P`
+/// scored pairs and `deg(m)` neighbors, at most `2 k` on average.
 ///
 /// An empty result says that further rounds have nothing to add, as where there are fewer scans than
 /// [`RetrievalParams::min_scans`] and all pairs were candidates.
@@ -45,7 +45,7 @@ pub fn further_pairs(scored: &PairConfidences, params: &RetrievalParams) -> Vec<
 /// A scan and how strong the tie to it is.
 type Tie = (usize, f64);
 
-/// The neighbours of each scan, ascending.
+/// The neighbors of each scan, ascending.
 fn neighborhoods(scored: &PairConfidences, k: usize) -> Vec<Vec<Tie>> {
     let mut neighborhoods = vec![Vec::new(); scored.num_scans()];
     for position in scored.top_k_union(k) {
@@ -56,7 +56,7 @@ fn neighborhoods(scored: &PairConfidences, k: usize) -> Vec<Vec<Tie>> {
     neighborhoods
 }
 
-/// Products of confidences, summed over the neighbours that lead to each scan.
+/// Products of confidences, summed over the neighbors that lead to each scan.
 fn two_steps_away(scan: usize, neighborhoods: &[Vec<Tie>]) -> Vec<Tie> {
     let mut sums = BTreeMap::new();
     for &(middle, first) in &neighborhoods[scan] {

@@ -4,14 +4,14 @@
 //! pairs, most of which share nothing. This crate proposes candidates in less than quadratic work, in
 //! two steps:
 //!
-//! 1. **By descriptors.** Each descriptor looks for the scans that hold its nearest neighbours and
+//! 1. **By descriptors.** Each descriptor looks for the scans that hold its nearest neighbors and
 //!    votes for them; each scan proposes those with most votes ([`Index`], [`candidate_pairs`]). The
-//!    neighbours are approximate: those within the leaves of a few random-projection trees (Dasgupta
+//!    neighbors are approximate: those within the leaves of a few random-projection trees (Dasgupta
 //!    and Freund, STOC 2008).
-//! 2. **By neighbours.** Descriptors alone miss many pairs of partial overlap. But a scan that overlaps
-//!    a neighbour's neighbour is common, so once the candidates are scored, each scan proposes the
-//!    neighbours of its most confident neighbours ([`further_pairs`]), which are scored in turn, and so
-//!    on until nothing new is proposed or the rounds are over: neighbours of neighbours as in NN-descent (Dong, Moses and Li,
+//! 2. **By neighbors.** Descriptors alone miss many pairs of partial overlap. But a scan that overlaps
+//!    a neighbor's neighbor is common, so once the candidates are scored, each scan proposes the
+//!    neighbors of its most confident neighbors ([`further_pairs`]), which are scored in turn, and so
+//!    on until nothing new is proposed or the rounds are over: neighbors of neighbors as in NN-descent (Dong, Moses and Li,
 //!    WWW 2011), with the pair confidence as the similarity.
 //!
 //! ```
@@ -42,8 +42,8 @@
 //! For `N` scans of `n` descriptors of dimension `d`: a row takes part in 8 trees with leaves of at most
 //! 64 rows, so that less than `8 · 63 / 2 · N n` distances are computed, and the trees take
 //! `O(N n (d + 1) log(N n))`: as good as linear in the number of scans. Counting votes touches `N²` small
-//! numbers (4 ms for 400 scans). A round of neighbours takes `O(P log P + N k² log N)` with `P` pairs scored and
-//! `k` neighbours chosen by each scan, unless many scans choose the same one, and at most `N k` pairs are
+//! numbers (4 ms for 400 scans). A round of neighbors takes `O(P log P + N k² log N)` with `P` pairs scored and
+//! `k` neighbors chosen by each scan, unless many scans choose the same one, and at most `N k` pairs are
 //! scored in it. With the default, 400 scans of eight rooms have a fifth of their pairs scored, after
 //! about ten rounds.
 
@@ -69,10 +69,10 @@ pub struct RetrievalParams {
     pub min_scans: usize,
     /// Partners that each scan proposes by its descriptors, at least 1. Default 15.
     pub candidates_per_scan: usize,
-    /// Rounds, at most, in which scans then propose neighbours of their neighbours, until there are no new
+    /// Rounds, at most, in which scans then propose neighbors of their neighbors, until there are no new
     /// ones; may be 0. Default 20.
     pub expansions: usize,
-    /// Most confident partners of each scan that count as its neighbours in such a round, as do scans that
+    /// Most confident partners of each scan that count as its neighbors in such a round, as do scans that
     /// count it as theirs; and partners that it then proposes, at least 1. Default 8.
     pub candidates_per_expansion: usize,
 }

@@ -8,7 +8,7 @@ use crate::rows::Rows;
 /// one row. The directions depend on `tree` and `l` only, a row's projection on the row only: another
 /// order of the rows gives the same leaves, but for equal projections at a median.
 ///
-/// Rows on a line are cut at the same places by every tree, so that neighbours there stay apart.
+/// Rows on a line are cut at the same places by every tree, so that neighbors there stay apart.
 pub(crate) fn for_each_leaf(rows: &Rows, tree: usize, max_leaf: usize, visit: impl FnMut(&[u32])) {
     let mut depth = 0;
     while rows.len().div_ceil(1 << depth) > max_leaf {

@@ -183,7 +183,7 @@ fn identical_descriptors_have_candidates_too() {
 }
 
 #[test]
-fn scans_of_one_descriptor_find_their_neighbours_within_the_leaves() {
+fn scans_of_one_descriptor_find_their_neighbors_within_the_leaves() {
     // On a line all trees cut at the same places.
     let scans = (0..256).map(|k| Descriptors::new(vec![k as f32], 1).unwrap());
     let scans: Vec<_> = scans.collect();
@@ -215,7 +215,7 @@ fn row_confidence(reach: usize) -> impl Fn(Pair) -> f64 {
 }
 
 #[test]
-fn rounds_of_neighbours_find_all_overlaps_of_a_row_of_scans() {
+fn rounds_of_neighbors_find_all_overlaps_of_a_row_of_scans() {
     let (num_scans, confidence) = (100, row_confidence(4));
     let mut pairs: Vec<_> = (0..num_scans - 1).map(|k| (k, k + 1)).collect();
     for _ in 0..4 {
@@ -248,8 +248,8 @@ fn each_scan_proposes_the_one_it_is_tied_to_most() {
 }
 
 #[test]
-fn a_choice_of_either_makes_two_scans_neighbours() {
-    // 3 has better neighbours than 0, but is the best of 0.
+fn a_choice_of_either_makes_two_scans_neighbors() {
+    // 3 has better neighbors than 0, but is the best of 0.
     let pairs = [(0, 3), (1, 3), (2, 3)];
     let known = scored(4, &pairs, |(i, _)| [1.0, 5.0, 9.0][i]);
     let params = RetrievalParams {

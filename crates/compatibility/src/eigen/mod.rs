@@ -1,5 +1,5 @@
+mod components;
 mod lanczos;
-mod parts;
 mod power;
 mod products;
 mod tridiagonal;
@@ -11,8 +11,8 @@ use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_
 use faer::{Mat, MatRef, Par};
 use nalgebra::{DMatrix, DVector};
 
+use self::components::connected_components;
 use self::lanczos::by_lanczos;
-use self::parts::connected_parts;
 use self::power::by_power_iteration;
 use self::products::inner_products;
 
@@ -33,7 +33,7 @@ use self::products::inner_products;
 pub struct DominantEigenpair {
     /// The eigenvalue `λ`, as the Rayleigh quotient of the vector.
     pub value: f64,
-    /// The unit eigenvector `v`: exactly zero outside of the dominant connected part of the matrix. Entries
+    /// The unit eigenvector `v`: exactly zero outside of the dominant connected component of the matrix. Entries
     /// below 1e-12 within may be zero, too, unless the power iteration found it.
     pub vector: DVector<f64>,
     /// Norm of `B v − λ v`: the distance of `λ` to the nearest exact eigenvalue is at most this.
@@ -71,9 +71,9 @@ const SCALES: Range<f64> = 1e-140..1e140;
 impl DominantEigenpair {
     /// Finds the pair of a symmetric nonnegative matrix.
     ///
-    /// A matrix that falls apart into connected parts has the eigenpairs of its parts, so each part
+    /// A matrix that falls apart into connected components has the eigenpairs of its components, so each component
     /// is solved alone, and only while its largest row sum, a bound of its eigenvalue, exceeds the
-    /// best eigenvalue so far (equal ones: the part of the lowest index). Within a part, power
+    /// best eigenvalue so far (equal ones: the component of the lowest index). Within a component, power
     /// iteration from the row sums cannot settle on another eigenvector, as a positive start has a
     /// share of the dominant one. It stops where the contraction of successive differences puts the
     /// error of the vector below 1e-13, or where a step is rounding noise. Where that would take more than
@@ -83,19 +83,19 @@ impl DominantEigenpair {
     /// 1e±140. `O(M²)` per product.
     pub fn new(matrix: &DMatrix<f64>) -> Self {
         let mut best = Self::zero(matrix.nrows());
-        for part in connected_parts(matrix) {
-            if part.bound <= best.value {
+        for component in connected_components(matrix) {
+            if component.bound <= best.value {
                 break;
             }
-            let entries = part.of(matrix);
+            let entries = component.of(matrix);
             let iterated = || match by_power_iteration(&entries) {
                 Ok(eigenpair) => Some(eigenpair),
                 Err(start) => by_lanczos(&entries, start),
             };
-            let found = SCALES.contains(&part.bound).then(iterated).flatten();
+            let found = SCALES.contains(&component.bound).then(iterated).flatten();
             let eigenpair = found.unwrap_or_else(|| Self::by_decomposition(&entries));
             if eigenpair.value > best.value {
-                best = eigenpair.embedded(&part.nodes, matrix.nrows());
+                best = eigenpair.embedded(&component.nodes, matrix.nrows());
             }
         }
         best
@@ -145,7 +145,7 @@ impl DominantEigenpair {
         }
     }
 
-    /// The pair of a part as one of the whole: zero outside of the part.
+    /// The pair of a component as one of the whole: zero outside of the component.
     fn embedded(self, nodes: &[usize], size: usize) -> Self {
         let mut vector = DVector::zeros(size);
         for (&node, &entry) in nodes.iter().zip(self.vector.iter()) {
@@ -184,7 +184,7 @@ mod tests {
         })
     }
 
-    /// Ties of one between neighbours in a row: `λ₁ = 2 cos(π / (n + 1))`.
+    /// Ties of one between neighbors in a row: `λ₁ = 2 cos(π / (n + 1))`.
     fn path(size: usize) -> DMatrix<f64> {
         DMatrix::from_fn(
             size,
@@ -204,7 +204,7 @@ mod tests {
 
         #[test]
         fn both_routes_find_the_same_vector_where_it_is_unique(matrix in affinities(), shift in 0.5..1.0f64) {
-            // A dense positive part separates the largest eigenvalue from the others.
+            // A dense positive component separates the largest eigenvalue from the others.
             let matrix = matrix.map(|b| b + shift);
             let fast = DominantEigenpair::new(&matrix);
             let reference = DominantEigenpair::by_decomposition(&matrix);

@@ -4,15 +4,15 @@ use nalgebra::{DMatrix, DVector};
 
 use super::products::inner_products;
 
-/// A connected part of the graph of the positive entries.
-pub(super) struct Part {
+/// A connected component of the graph of the positive entries.
+pub(super) struct Component {
     /// Its nodes, ascending.
     pub nodes: Vec<usize>,
     /// Its largest row sum.
     pub bound: f64,
 }
 
-impl Part {
+impl Component {
     /// Its rows and columns of the matrix, copied by runs of successive nodes unless it is the whole.
     pub fn of<'a>(&self, matrix: &'a DMatrix<f64>) -> Cow<'a, DMatrix<f64>> {
         let (size, all) = (self.nodes.len(), matrix.nrows());
@@ -31,13 +31,13 @@ impl Part {
     }
 }
 
-/// The parts with a positive entry in descending order of their bounds; equal ones: lower index.
-pub(super) fn connected_parts(matrix: &DMatrix<f64>) -> Vec<Part> {
+/// The components with a positive entry in descending order of their bounds; equal ones: lower index.
+pub(super) fn connected_components(matrix: &DMatrix<f64>) -> Vec<Component> {
     let size = matrix.nrows();
     let row_sums = inner_products(matrix.as_slice(), &DVector::repeat(size, 1.0));
     let has_ties = |&node: &usize| row_sums[node] > 0.0;
     let mut unseen: Vec<usize> = (0..size).rev().filter(has_ties).collect();
-    let mut parts = Vec::new();
+    let mut components = Vec::new();
     while let Some(first) = unseen.pop() {
         let (mut nodes, mut next, mut bound) = (vec![first], 0, 0f64);
         while next < nodes.len() {
@@ -53,10 +53,10 @@ pub(super) fn connected_parts(matrix: &DMatrix<f64>) -> Vec<Part> {
             next += 1;
         }
         nodes.sort_unstable();
-        parts.push(Part { nodes, bound });
+        components.push(Component { nodes, bound });
     }
-    parts.sort_by(|a, b| b.bound.total_cmp(&a.bound).then(a.nodes.cmp(&b.nodes)));
-    parts
+    components.sort_by(|a, b| b.bound.total_cmp(&a.bound).then(a.nodes.cmp(&b.nodes)));
+    components
 }
 
 #[cfg(test)]
@@ -71,10 +71,10 @@ mod tests {
             matrix[(m, n)] = weight;
             matrix[(n, m)] = weight;
         }
-        let parts: Vec<_> = connected_parts(&matrix)
+        let components: Vec<_> = connected_components(&matrix)
             .into_iter()
             .map(|p| (p.nodes, p.bound))
             .collect();
-        assert_eq!(parts, [(vec![1, 2, 5], 3.5), (vec![0, 4], 1.0)]);
+        assert_eq!(components, [(vec![1, 2, 5], 3.5), (vec![0, 4], 1.0)]);
     }
 }
