@@ -9,11 +9,35 @@
 /// # Ok::<(), gmpcr_correspondence::DescriptorsError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Unchecked")
+)]
 pub struct Descriptors {
     values: Vec<f32>,
     dimension: usize,
     /// Squared norm of each row.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     squared_norms: Vec<f32>,
+}
+
+/// Descriptors as a file has them.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "Descriptors", deny_unknown_fields)]
+struct Unchecked {
+    values: Vec<f32>,
+    dimension: usize,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for Descriptors {
+    type Error = DescriptorsError;
+
+    fn try_from(descriptors: Unchecked) -> Result<Self, DescriptorsError> {
+        Self::new(descriptors.values, descriptors.dimension)
+    }
 }
 
 /// Why a list of numbers is no set of descriptors.
@@ -154,7 +178,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_what_is_wrong_with_the_numbers() {
+    fn names_what_makes_numbers_no_descriptors() {
         use DescriptorsError::*;
         assert_eq!(Descriptors::new(vec![], 0), Err(ZeroDimension));
         let ragged = Ragged {

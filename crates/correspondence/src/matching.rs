@@ -6,10 +6,12 @@ use faer::{Accum, MatMut, MatRef, Par};
 use gmpcr_geometry::{PairsError, PointPairs};
 
 use crate::descriptors::squared_distance;
-use crate::{Descriptors, Keypoints};
+use crate::{CorrespondenceError, CorrespondenceParams, Descriptors, DimensionsDiffer, Keypoints};
 
 /// Two descriptors that are each other's nearest neighbor.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Match {
     /// Row among the first set's descriptors.
     pub i: usize,
@@ -19,41 +21,33 @@ pub struct Match {
     pub distance: f64,
 }
 
-/// Descriptors of two sets that cannot be compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("descriptors of dimension {i} do not compare with descriptors of dimension {j}")]
-pub struct DimensionsDiffer {
-    /// Dimension of the first set.
-    pub i: usize,
-    /// Dimension of the second set.
-    pub j: usize,
-}
-
-/// Correspondences `C_ij` of two keypoint sets: the `max_correspondences` best
+/// Correspondences `C_ij` of two keypoint sets: the `N_o = max_correspondences` best
 /// [matches](match_descriptors) as point pairs (target: scan i, source: scan j), in ascending order
 /// of descriptor distance. All matches are kept where there are fewer.
 ///
 /// # Errors
-/// [`DimensionsDiffer`] if the descriptors have different dimensions.
+/// [`CorrespondenceError`] if the descriptors have different dimensions or a parameter is out of range.
 ///
 /// ```
-/// use gmpcr_correspondence::{Descriptors, Keypoints, Scan, correspondences};
+/// use gmpcr_correspondence::{CorrespondenceParams, Descriptors, Keypoints, Scan, correspondences};
 /// use nalgebra::Point3;
 ///
 /// let points = vec![Point3::origin(), Point3::new(1.0, 0.0, 0.0)];
 /// let scan = Scan::new(points, Descriptors::new(vec![0.0, 1.0], 1)?)?;
-/// let keypoints = Keypoints::sample(&scan, 200);
-/// let pairs = correspondences(&keypoints, &keypoints, 100)?;
+/// let params = CorrespondenceParams::default();
+/// let keypoints = Keypoints::sample(&scan, &params)?;
+/// let pairs = correspondences(&keypoints, &keypoints, &params)?;
 /// assert_eq!(pairs.target(), pairs.source());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn correspondences(
     keypoints_i: &Keypoints,
     keypoints_j: &Keypoints,
-    max_correspondences: usize,
-) -> Result<PointPairs, DimensionsDiffer> {
+    params: &CorrespondenceParams,
+) -> Result<PointPairs, CorrespondenceError> {
+    params.validate()?;
     let mut matches = match_descriptors(keypoints_i.descriptors(), keypoints_j.descriptors())?;
-    matches.truncate(max_correspondences);
+    matches.truncate(params.max_correspondences);
     let target = matches.iter().map(|m| keypoints_i.points()[m.i]).collect();
     let source = matches.iter().map(|m| keypoints_j.points()[m.j]).collect();
     let pairs: Result<_, PairsError> = PointPairs::new(target, source);

@@ -1,40 +1,85 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use gmpcr_geometry::InvalidParameter;
 use nalgebra::Point3;
 
 use crate::descriptors::squared_distance;
-use crate::{Descriptors, Scan};
+use crate::{CorrespondenceParams, Descriptors, Scan};
 
 /// The representative points of a scan: what pairs of scans are matched by.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Unchecked")
+)]
 pub struct Keypoints {
     rows: Vec<usize>,
     points: Vec<Point3<f64>>,
     descriptors: Descriptors,
 }
 
+/// Keypoints as a file has them.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "Keypoints", deny_unknown_fields)]
+struct Unchecked {
+    rows: Vec<usize>,
+    points: Vec<Point3<f64>>,
+    descriptors: Descriptors,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for Keypoints {
+    type Error = String;
+
+    fn try_from(keypoints: Unchecked) -> Result<Self, String> {
+        let Unchecked {
+            rows,
+            points,
+            descriptors,
+        } = keypoints;
+        // The coordinates and the number of descriptors are checked as those of a scan.
+        let scan = Scan::new(points, descriptors).map_err(|error| error.to_string())?;
+        if rows.len() != scan.len() {
+            return Err(format!("{} rows, but {} points", rows.len(), scan.len()));
+        }
+        let (points, descriptors) = scan.into_parts();
+        Ok(Self {
+            rows,
+            points,
+            descriptors,
+        })
+    }
+}
+
 impl Keypoints {
-    /// Samples `num_samples` points of `scan` by [`farthest_point_sampling`] of its descriptors;
+    /// Samples `N_s = num_samples` points of `scan` by [`farthest_point_sampling`] of its descriptors;
     /// all of them where the scan has fewer.
     ///
+    /// # Errors
+    /// [`InvalidParameter`] if a parameter is out of range.
+    ///
     /// ```
-    /// use gmpcr_correspondence::{Descriptors, Keypoints, Scan};
+    /// use gmpcr_correspondence::{CorrespondenceParams, Descriptors, Keypoints, Scan};
     /// use nalgebra::Point3;
     ///
     /// let points = (0..4).map(|k| Point3::new(k as f64, 0.0, 0.0)).collect();
     /// let scan = Scan::new(points, Descriptors::new(vec![0.0, 0.1, 0.2, 5.0], 1)?)?;
-    /// let keypoints = Keypoints::sample(&scan, 2);
-    /// assert_eq!(keypoints.rows(), &[3, 0]); // the rare descriptor first
+    /// let params = CorrespondenceParams { num_samples: 3, ..CorrespondenceParams::default() };
+    /// let keypoints = Keypoints::sample(&scan, &params)?;
+    /// assert_eq!(keypoints.rows(), &[3, 0, 2]); // the rare descriptor first
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn sample(scan: &Scan, num_samples: usize) -> Self {
-        let rows = farthest_point_sampling(scan.descriptors(), num_samples);
-        Self {
+    pub fn sample(scan: &Scan, params: &CorrespondenceParams) -> Result<Self, InvalidParameter> {
+        params.validate()?;
+        let rows = farthest_point_sampling(scan.descriptors(), params.num_samples);
+        Ok(Self {
             points: rows.iter().map(|&k| scan.points()[k]).collect(),
             descriptors: scan.descriptors().select(&rows),
             rows,
-        }
+        })
     }
 
     /// Number of keypoints.
@@ -70,7 +115,7 @@ impl Keypoints {
 /// is a property of the set, the sampled set does not depend on the order of the points. All
 /// indices come back, each once, where `num_samples` is the number of descriptors or more.
 ///
-/// A descriptor's distance to the samples can only shrink, so an outdated distance bounds the true
+/// A descriptor's distance to the samples can only shrink, so an outdated distance bounds the current
 /// one from above. Only the descriptor of largest bound is brought up to date, and chosen once its
 /// bound is exact: the plain algorithm's samples for a fraction of its `n · num_samples` distances,
 /// which remain the worst case.

@@ -3,10 +3,9 @@ use nalgebra::Point3;
 
 use crate::Descriptors;
 
-/// A scan: points in its own frame and one local descriptor per point.
+/// Points in their own frame and one local descriptor per point.
 ///
-/// Coordinates may have any unit; meters are usual. A scan may be empty: it then matches nothing
-/// and stays unregistered.
+/// Coordinates may have any unit; meters are usual. A scan may be empty: it then matches nothing.
 ///
 /// ```
 /// use gmpcr_correspondence::{Descriptors, Scan};
@@ -18,9 +17,32 @@ use crate::Descriptors;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Unchecked")
+)]
 pub struct Scan {
     points: Vec<Point3<f64>>,
     descriptors: Descriptors,
+}
+
+/// A scan as a file has it.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "Scan", deny_unknown_fields)]
+struct Unchecked {
+    points: Vec<Point3<f64>>,
+    descriptors: Descriptors,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for Scan {
+    type Error = ScanError;
+
+    fn try_from(scan: Unchecked) -> Result<Self, ScanError> {
+        Self::new(scan.points, scan.descriptors)
+    }
 }
 
 /// Why points and descriptors are no [`Scan`].
@@ -83,6 +105,12 @@ impl Scan {
     pub fn descriptors(&self) -> &Descriptors {
         &self.descriptors
     }
+
+    /// Points and descriptors.
+    #[cfg(feature = "serde")]
+    pub(crate) fn into_parts(self) -> (Vec<Point3<f64>>, Descriptors) {
+        (self.points, self.descriptors)
+    }
 }
 
 #[cfg(test)]
@@ -90,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_what_is_wrong_with_a_scan() {
+    fn names_what_makes_points_and_descriptors_no_scan() {
         let descriptors = Descriptors::new(vec![0.0; 4], 2).unwrap();
         let one = vec![Point3::origin()];
         let lengths = ScanError::LengthsDiffer {

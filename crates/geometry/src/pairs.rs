@@ -149,7 +149,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_what_is_wrong_with_the_lists() {
+    fn names_what_makes_lists_no_pairs() {
         let p = Point3::origin();
         let nan = Point3::new(0.0, f64::NAN, 0.0);
         let infinite = Point3::new(f64::INFINITY, 0.0, 0.0);
