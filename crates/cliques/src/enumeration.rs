@@ -3,6 +3,8 @@ use crate::graph::{count, insert, lowest, ones, remove};
 
 /// What an enumeration of maximal cliques did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Enumeration {
     /// Maximal cliques visited.
     pub cliques: usize,

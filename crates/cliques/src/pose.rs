@@ -1,7 +1,8 @@
-use gmpcr_geometry::PointPairs;
+use gmpcr_geometry::{InvalidParameter, PointPairs};
 use nalgebra::{DMatrix, DVector, Isometry3};
 
-use crate::{BitGraph, CliqueParams, RankedClique, RankedCliques, kabsch, rank_cliques};
+use crate::ranking::{RankedCliques, rank_cliques};
+use crate::{BitGraph, CliqueParams, RankedClique, inlier_ratio, kabsch};
 
 /// The refined compatibility structure of a correspondence set, as plain matrices.
 #[derive(Clone, Copy, Debug)]
@@ -14,12 +15,15 @@ pub struct Compatibility<'a> {
     pub response: &'a DVector<f64>,
 }
 
-/// A rigid transformation between two scans and what supports it.
+/// The rigid transformation between two scans and its support.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct RelativePose {
     /// The transformation from the source's (scan j's) frame into the target's (scan i's).
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub target_from_source: Isometry3<f64>,
-    /// Share of the correspondences that the transformation explains.
+    /// Fraction of the correspondences that the transformation explains.
     pub inlier_ratio: f64,
     /// The clique that generated it.
     pub clique: RankedClique,
@@ -27,6 +31,8 @@ pub struct RelativePose {
 
 /// The outcome of [`estimate_pose`].
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct PoseEstimate {
     /// The best hypothesis; `None` where no clique of three determines a transformation.
     pub pose: Option<RelativePose>,
@@ -44,6 +50,9 @@ pub struct PoseEstimate {
 /// skipped. The transformation of highest [`inlier_ratio`] over *all* correspondences wins, on ties that of
 /// the higher mean affinity.
 ///
+/// # Errors
+/// [`InvalidParameter`] if a parameter is out of range.
+///
 /// # Panics
 /// If the sizes of `pairs` and `compatibility` differ.
 ///
@@ -58,7 +67,7 @@ pub struct PoseEstimate {
 /// let complete = DMatrix::from_fn(3, 3, |m, n| if m == n { 0.0 } else { 1.0 });
 /// let response = DVector::repeat(3, 0.577);
 /// let compatibility = Compatibility { fcg: &complete, scg: &complete, response: &response };
-/// let estimate = estimate_pose(&pairs, compatibility, &CliqueParams::default());
+/// let estimate = estimate_pose(&pairs, compatibility, &CliqueParams::default())?;
 /// let pose = estimate.pose.ok_or("no clique")?;
 /// assert_eq!((estimate.cliques_seen, pose.inlier_ratio), (1, 1.0));
 /// assert!((pose.target_from_source.translation.z - 4.0).abs() < 1e-12);
@@ -68,7 +77,8 @@ pub fn estimate_pose(
     pairs: &PointPairs,
     compatibility: Compatibility,
     params: &CliqueParams,
-) -> PoseEstimate {
+) -> Result<PoseEstimate, InvalidParameter> {
+    params.validate()?;
     let Compatibility { fcg, scg, response } = compatibility;
     assert_eq!(
         fcg.shape(),
@@ -79,11 +89,11 @@ pub fn estimate_pose(
         scg[(m, n)] > 0.0 && fcg[(m, n)] > params.min_affinity
     });
     let RankedCliques { best, enumeration } = rank_cliques(&graph, scg, params);
-    PoseEstimate {
+    Ok(PoseEstimate {
         pose: best_hypothesis(pairs, response, best, params.inlier_threshold),
         cliques_seen: enumeration.cliques,
         budget_exhausted: enumeration.budget_exhausted,
-    }
+    })
 }
 
 /// The first hypothesis of highest inlier ratio; the cliques come in order of preference.
@@ -114,25 +124,13 @@ fn best_hypothesis(
     best
 }
 
-/// Share of the correspondences that a transformation explains,
-/// `IR = |{m : ‖x_m^i − (R x_m^j + t)‖ < τ_in}| / M`; zero of an empty set.
-pub fn inlier_ratio(
-    pairs: &PointPairs,
-    target_from_source: &Isometry3<f64>,
-    inlier_threshold: f64,
-) -> f64 {
-    let residuals = pairs.residuals(target_from_source);
-    let num_inliers = residuals.filter(|&r| r < inlier_threshold).count();
-    num_inliers as f64 / pairs.len().max(1) as f64
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::{Point3, Vector3};
 
     use super::*;
 
-    /// `num_true` pairs of one transformation and as many of another, each group mutually compatible.
+    /// `sizes[0]` pairs of one transformation and `sizes[1]` of another, each group mutually compatible.
     fn two_transformations(sizes: [usize; 2], affinity: [f64; 2]) -> (PointPairs, DMatrix<f64>) {
         let transformations = [
             Isometry3::new(Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.5, 0.0)),
@@ -163,7 +161,7 @@ mod tests {
             scg,
             response: &response,
         };
-        estimate_pose(pairs, compatibility, params)
+        estimate_pose(pairs, compatibility, params).unwrap()
     }
 
     #[test]
@@ -211,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_threshold_on_first_order_affinities_thins_the_graph() {
+    fn a_threshold_on_first_order_affinities_leaves_out_edges() {
         let (pairs, scg) = two_transformations([4, 7], [0.9, 0.5]);
         let params = CliqueParams {
             min_affinity: 0.6,

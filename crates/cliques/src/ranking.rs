@@ -5,8 +5,10 @@ use crate::{BitGraph, CliqueParams, Enumeration, for_each_maximal_clique};
 /// The smallest set that determines a rigid transformation.
 const MIN_CLIQUE_SIZE: usize = 3;
 
-/// A maximal clique and its rank value.
+/// A maximal clique and what ranks it.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct RankedClique {
     /// Its nodes, ascending.
     pub nodes: Vec<usize>,
@@ -15,13 +17,12 @@ pub struct RankedClique {
 }
 
 /// The best maximal cliques of a graph.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RankedCliques {
+pub(crate) struct RankedCliques {
     /// At most `K_c` cliques in descending order of mean affinity; equal ones: lexicographically
     /// smaller nodes first.
-    pub best: Vec<RankedClique>,
+    pub(crate) best: Vec<RankedClique>,
     /// How many were seen, and whether all were.
-    pub enumeration: Enumeration,
+    pub(crate) enumeration: Enumeration,
 }
 
 /// Enumerates the maximal cliques with at least three nodes and keeps the top `K_c` by mean
@@ -36,7 +37,11 @@ pub struct RankedCliques {
 ///
 /// # Panics
 /// If `graph` and `scg` differ in size.
-pub fn rank_cliques(graph: &BitGraph, scg: &DMatrix<f64>, params: &CliqueParams) -> RankedCliques {
+pub(crate) fn rank_cliques(
+    graph: &BitGraph,
+    scg: &DMatrix<f64>,
+    params: &CliqueParams,
+) -> RankedCliques {
     assert_eq!(
         scg.shape(),
         (graph.len(), graph.len()),

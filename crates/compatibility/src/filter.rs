@@ -1,4 +1,4 @@
-use gmpcr_geometry::PointPairs;
+use gmpcr_geometry::{InvalidParameter, PointPairs};
 
 use crate::{CompatibilityGraph, CompatibilityParams, DominantEigenpair};
 
@@ -11,14 +11,16 @@ use crate::{CompatibilityGraph, CompatibilityParams, DominantEigenpair};
 ///
 /// let target: Vec<_> = (0..6).map(|k| Point3::new(k as f64, (k * k) as f64, 1.0)).collect();
 /// let mut source: Vec<_> = target.iter().map(|p| p + Vector3::new(5.0, 5.0, 5.0)).collect();
-/// source[1].x += 0.7; // a wrong correspondence
+/// source[1].x += 0.7; // an outlier
 /// let pairs = PointPairs::new(target, source)?;
-/// let filter = SpectralFilter::new(&pairs, &CompatibilityParams::default());
+/// let filter = SpectralFilter::new(&pairs, &CompatibilityParams::default())?;
 /// assert_eq!(filter.retained, [0, 2, 3]); // half of six; equal responses: lower index
 /// assert!((filter.raw_confidence() - 2.0).abs() < 1e-12);
-/// # Ok::<(), gmpcr_geometry::PairsError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct SpectralFilter {
     /// Indices `S_ij` of the retained correspondences, ascending.
     pub retained: Vec<usize>,
@@ -34,18 +36,21 @@ impl SpectralFilter {
     /// Retains the `⌈r_s M⌉` largest entries of the dominant eigenvector of the SCG (ties: lower
     /// index) and recomputes graph and eigenvector on them. `O(M³)` multiply-adds.
     ///
-    /// `params` must be in range (`tolerance > 0`, `retained_fraction` in (0, 1]); fewer than three
-    /// correspondences have no second-order support and so no confidence.
-    pub fn new(pairs: &PointPairs, params: &CompatibilityParams) -> Self {
+    /// Fewer than three correspondences have no second-order support and so no confidence.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] if a parameter is out of range.
+    pub fn new(pairs: &PointPairs, params: &CompatibilityParams) -> Result<Self, InvalidParameter> {
+        params.validate()?;
         let initial = CompatibilityGraph::new(pairs, params.tolerance);
         let count = retained_count(initial.len(), params.retained_fraction);
         if count == initial.len() {
-            return Self::of((0..count).collect(), initial);
+            return Ok(Self::of((0..count).collect(), initial));
         }
         let response = DominantEigenpair::new(initial.scg()).vector;
         let retained = largest(response.as_slice(), count);
         let graph = initial.restricted_to(&retained);
-        Self::of(retained, graph)
+        Ok(Self::of(retained, graph))
     }
 
     fn of(retained: Vec<usize>, graph: CompatibilityGraph) -> Self {
@@ -84,9 +89,13 @@ mod tests {
 
     use super::*;
 
-    fn contaminated(num_true: usize, num_false: usize) -> PointPairs {
+    fn filtered(pairs: &PointPairs, params: &CompatibilityParams) -> SpectralFilter {
+        SpectralFilter::new(pairs, params).unwrap()
+    }
+
+    fn contaminated(num_inliers: usize, num_outliers: usize) -> PointPairs {
         let wave = |k: usize, f: f64| (k as f64 * f).sin() * 2.0;
-        let count = num_true + num_false;
+        let count = num_inliers + num_outliers;
         let source: Vec<_> = (0..count)
             .map(|k| Point3::new(wave(k, 1.3), wave(k, 2.9), wave(k, 4.7)))
             .collect();
@@ -94,7 +103,7 @@ mod tests {
             Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, -1.0, 0.5));
         let target = (0..count)
             .map(|k| {
-                if k < num_true {
+                if k < num_inliers {
                     transformation * source[k]
                 } else {
                     source[(k * 7 + 3) % count]
@@ -105,8 +114,8 @@ mod tests {
     }
 
     #[test]
-    fn the_true_correspondences_survive() {
-        let filter = SpectralFilter::new(&contaminated(20, 20), &CompatibilityParams::default());
+    fn the_inliers_survive() {
+        let filter = filtered(&contaminated(20, 20), &CompatibilityParams::default());
         assert_eq!(filter.retained, (0..20).collect::<Vec<_>>());
         // A perfect clique of 20: B̃ = 18 (1 1ᵀ − I), whose largest eigenvalue is 18 · 19.
         assert!((filter.raw_confidence() - 342.0).abs() < 1e-6);
@@ -115,8 +124,8 @@ mod tests {
     #[test]
     fn the_confidence_is_the_same_with_the_scans_swapped() {
         let (pairs, params) = (contaminated(15, 25), CompatibilityParams::default());
-        let forward = SpectralFilter::new(&pairs, &params);
-        let backward = SpectralFilter::new(&pairs.swapped(), &params);
+        let forward = filtered(&pairs, &params);
+        let backward = filtered(&pairs.swapped(), &params);
         assert_eq!(forward, backward);
     }
 
@@ -124,8 +133,8 @@ mod tests {
     fn permuted_correspondences_give_the_permuted_result() {
         let (pairs, params) = (contaminated(20, 20), CompatibilityParams::default());
         let order: Vec<usize> = (0..40).map(|k| (k * 13) % 40).collect();
-        let filter = SpectralFilter::new(&pairs, &params);
-        let permuted = SpectralFilter::new(&pairs.select(&order), &params);
+        let filter = filtered(&pairs, &params);
+        let permuted = filtered(&pairs.select(&order), &params);
         let mut retained: Vec<_> = permuted.retained.iter().map(|&k| order[k]).collect();
         retained.sort_unstable();
         assert_eq!(retained, filter.retained);
@@ -138,15 +147,14 @@ mod tests {
             retained_fraction: 1.0,
             ..Default::default()
         };
-        let filter = SpectralFilter::new(&contaminated(5, 4), &params);
+        let filter = filtered(&contaminated(5, 4), &params);
         assert_eq!(filter.retained, (0..9).collect::<Vec<_>>());
     }
 
     #[test]
     fn too_few_correspondences_have_no_confidence() {
         for count in 0..3 {
-            let filter =
-                SpectralFilter::new(&contaminated(count, 0), &CompatibilityParams::default());
+            let filter = filtered(&contaminated(count, 0), &CompatibilityParams::default());
             assert_eq!(filter.raw_confidence(), 0.0, "{count} correspondences");
         }
     }
@@ -155,7 +163,7 @@ mod tests {
     fn equal_points_are_compatible_and_finite() {
         let equal =
             PointPairs::new(vec![Point3::origin(); 10], vec![Point3::origin(); 10]).unwrap();
-        let filter = SpectralFilter::new(&equal, &CompatibilityParams::default());
+        let filter = filtered(&equal, &CompatibilityParams::default());
         assert_eq!(filter.retained, [0, 1, 2, 3, 4]);
         assert!((filter.raw_confidence() - 12.0).abs() < 1e-12);
     }

@@ -21,9 +21,41 @@ use nalgebra::{DMatrix, Point3};
 /// # Ok::<(), gmpcr_geometry::PairsError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Unchecked")
+)]
 pub struct CompatibilityGraph {
     fcg: DMatrix<f64>,
+    /// Follows from the FCG, which alone is written to files.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     scg: DMatrix<f64>,
+}
+
+/// A graph as a file has it.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "CompatibilityGraph", deny_unknown_fields)]
+struct Unchecked {
+    fcg: DMatrix<f64>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for CompatibilityGraph {
+    type Error = &'static str;
+
+    fn try_from(Unchecked { fcg }: Unchecked) -> Result<Self, &'static str> {
+        let is_affinity = |a: &f64| (0.0..=1.0).contains(a);
+        let is_graph = fcg.is_square()
+            && fcg == fcg.transpose()
+            && fcg.iter().all(is_affinity)
+            && fcg.diagonal().iter().all(|&a| a == 0.0);
+        match is_graph {
+            true => Ok(Self::from_fcg(fcg)),
+            false => Err("the FCG must be symmetric, in [0, 1], and zero on its diagonal"),
+        }
+    }
 }
 
 impl CompatibilityGraph {
@@ -44,7 +76,7 @@ impl CompatibilityGraph {
     ///
     /// # Panics
     /// If an index is [`len`](Self::len) or more.
-    pub fn restricted_to(&self, retained: &[usize]) -> Self {
+    pub(crate) fn restricted_to(&self, retained: &[usize]) -> Self {
         let size = retained.len();
         let entry = |row, column| self.fcg[(retained[row], retained[column])];
         Self::from_fcg(DMatrix::from_fn(size, size, entry))
@@ -203,7 +235,7 @@ mod tests {
         }
 
         #[test]
-        fn moving_a_scan_or_swapping_the_scans_changes_nothing(pairs in pairs(), r in prop::array::uniform3(-3.0..3.0f64)) {
+        fn transforming_a_scan_or_swapping_the_scans_changes_nothing(pairs in pairs(), r in prop::array::uniform3(-3.0..3.0f64)) {
             let graph = CompatibilityGraph::new(&pairs, 0.2);
             prop_assert_eq!(&CompatibilityGraph::new(&pairs.swapped(), 0.2), &graph);
             let transformation = Isometry3::new(Vector3::new(1.0, -2.0, 3.0), Vector3::from(r));

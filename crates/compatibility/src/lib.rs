@@ -10,9 +10,9 @@
 //! B v  = λ v                                          dominant eigenvector, nonnegative
 //! ```
 //!
-//! An entry of `B` weighs direct agreement by the support of common neighbors, which wrong
-//! correspondences rarely find. The entry `|v_m|` measures how far correspondence `m` takes part in
-//! the largest coherent structure: the top share `r_s` is retained, the graphs are built again on
+//! An entry of `B` weighs direct agreement by the support of common neighbors, which
+//! outliers rarely find. The entry `|v_m|` measures how far correspondence `m` takes part in
+//! the largest coherent structure: the top fraction `r_s` is retained, the graphs are built again on
 //! the retained set, and the dominant eigenvalue of the refined SCG is the pair's *raw confidence*
 //! (paper, section "Spectral Consistency-Guided Scan Pair Selection"). No transformation is estimated.
 //!
@@ -25,31 +25,13 @@
 mod eigen;
 mod filter;
 mod graph;
+mod params;
 
 pub use eigen::{DominantEigenpair, Route};
 pub use filter::SpectralFilter;
-pub use gmpcr_geometry::PointPairs;
+pub use gmpcr_geometry::{InvalidParameter, PointPairs};
 pub use graph::CompatibilityGraph;
-
-/// Parameters of this stage. The default is the paper's setting for 3DMatch.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CompatibilityParams {
-    /// Rigidity discrepancy at which two correspondences stop being compatible, `τ_c`, in the unit
-    /// of the points; positive. Default 0.10 (meters, indoor scans).
-    pub tolerance: f64,
-    /// Share of the correspondences that is retained, `r_s`, in (0, 1]. One retains all: no
-    /// spectral filtering. Default 0.5.
-    pub retained_fraction: f64,
-}
-
-impl Default for CompatibilityParams {
-    fn default() -> Self {
-        Self {
-            tolerance: 0.10,
-            retained_fraction: 0.5,
-        }
-    }
-}
+pub use params::CompatibilityParams;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

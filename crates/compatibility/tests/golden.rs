@@ -73,7 +73,7 @@ fn the_filter_retains_the_reference_set_up_to_correspondences_without_support() 
             tolerance: number(&case["tau_c"]),
             retained_fraction: number(&case["r_s"]),
         };
-        let filter = SpectralFilter::new(&pairs(&case), &params);
+        let filter = SpectralFilter::new(&pairs(&case), &params).unwrap();
         let response = numbers(&case["first_eigenvector_abs"]);
         let expected: Vec<usize> = numbers(&case["retained"])
             .iter()

@@ -9,7 +9,7 @@ use super::{DominantEigenpair, Route, without_noise};
 const MAX_STEPS: usize = 150;
 /// Steps before the first look at what they have found, and between two of them.
 const STEPS_PER_LOOK: usize = 6;
-/// Residual of the eigenpair, as a share of the eigenvalue, at which it is as good as rounding allows.
+/// Residual of the eigenpair, as a fraction of the eigenvalue, at which it is as good as rounding allows.
 const TOLERANCE: f64 = 1e-15;
 
 /// The dominant pair of `B` from the space of `v, B v, B² v, …` (Lanczos 1950), which takes about the square

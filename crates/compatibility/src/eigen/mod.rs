@@ -30,6 +30,8 @@ use self::products::inner_products;
 /// assert!((eigenpair.vector[0] - 0.5f64.sqrt()).abs() < 1e-14);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct DominantEigenpair {
     /// The eigenvalue `λ`, as the Rayleigh quotient of the vector.
     pub value: f64,
@@ -44,6 +46,8 @@ pub struct DominantEigenpair {
 
 /// The algorithm that gave a [`DominantEigenpair`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Route {
     /// Power iteration.
     Power {
@@ -71,16 +75,15 @@ const SCALES: Range<f64> = 1e-140..1e140;
 impl DominantEigenpair {
     /// Finds the pair of a symmetric nonnegative matrix.
     ///
-    /// A matrix that falls apart into connected components has the eigenpairs of its components, so each component
+    /// A disconnected matrix has the eigenpairs of its components, so each component
     /// is solved alone, and only while its largest row sum, a bound of its eigenvalue, exceeds the
     /// best eigenvalue so far (equal ones: the component of the lowest index). Within a component, power
     /// iteration from the row sums cannot settle on another eigenvector, as a positive start has a
-    /// share of the dominant one. It stops where the contraction of successive differences puts the
+    /// fraction of the dominant one. It stops where the contraction of successive differences puts the
     /// error of the vector below 1e-13, or where a step is rounding noise. Where that would take more than
     /// 60 products, that is for `λ₂/λ₁` above about 0.6, Lanczos's method goes on from where it is, to a
-    /// residual of 1e-15 of the eigenvalue, and sets entries below 1e-12 to zero.
-    /// [`by_decomposition`](Self::by_decomposition) remains for what fails and for numbers beyond
-    /// 1e±140. `O(M²)` per product.
+    /// residual of 1e-15 of the eigenvalue, and sets entries below 1e-12 to zero. A full symmetric
+    /// eigendecomposition, `O(M³)`, remains for what fails and for numbers beyond 1e±140. `O(M²)` per product.
     pub fn new(matrix: &DMatrix<f64>) -> Self {
         let mut best = Self::zero(matrix.nrows());
         for component in connected_components(matrix) {
@@ -103,7 +106,7 @@ impl DominantEigenpair {
 
     /// Finds the pair by faer's symmetric eigendecomposition of the whole matrix, `O(M³)`. Entries
     /// below 1e-12 are noise and set to zero.
-    pub fn by_decomposition(matrix: &DMatrix<f64>) -> Self {
+    fn by_decomposition(matrix: &DMatrix<f64>) -> Self {
         let size = matrix.nrows();
         let entries = MatRef::from_column_major_slice(matrix.as_slice(), size, size);
         let mut vectors = Mat::<f64>::zeros(size, size);
@@ -171,7 +174,7 @@ mod tests {
 
     use super::*;
 
-    /// A symmetric nonnegative matrix with a zero diagonal, sparse enough to fall apart at times.
+    /// A symmetric nonnegative matrix with a zero diagonal, sparse enough to be disconnected at times.
     fn affinities() -> impl Strategy<Value = DMatrix<f64>> {
         let entry = prop_oneof![2 => Just(0.0), 1 => 0.0..1.0f64];
         (1..60usize).prop_flat_map(move |n| {
@@ -204,7 +207,7 @@ mod tests {
 
         #[test]
         fn both_routes_find_the_same_vector_where_it_is_unique(matrix in affinities(), shift in 0.5..1.0f64) {
-            // A dense positive component separates the largest eigenvalue from the others.
+            // A positive constant separates the largest eigenvalue from the others.
             let matrix = matrix.map(|b| b + shift);
             let fast = DominantEigenpair::new(&matrix);
             let reference = DominantEigenpair::by_decomposition(&matrix);

@@ -47,7 +47,7 @@ pub(super) fn by_power_iteration(
 }
 
 /// Distance to the limit of a sequence whose last step had this length and this ratio to the one before: the
-/// errors shrink geometrically by the ratio `λ₂/λ₁`. A slow share of the error may still hide behind a
+/// errors shrink geometrically by the ratio `λ₂/λ₁`. A slow part of the error may still hide behind a
 /// fast one, so no ratio below one half is believed.
 fn remaining_error(change: f64, ratio: f64) -> f64 {
     if change <= 4.0 * f64::EPSILON {

@@ -43,7 +43,7 @@ impl Tridiagonal {
             }
         }
         let shift = value + 8.0 * f64::EPSILON;
-        // The eigenvector is positive, as the entries beside the diagonal are: this has a share of it.
+        // The eigenvector is positive, as the entries beside the diagonal are: this has a part of it.
         let mut vector = vec![1.0; self.diagonal.len()];
         for _ in 0..2 {
             scaled.solve_shifted(shift, &mut vector);

@@ -1,15 +1,15 @@
 //! Reference values of the stage, computed in float64 straight from the equations.
 
-#![allow(clippy::unwrap_used)]
-
 use approx::assert_relative_eq;
-use gmpcr_cliques::{BitGraph, CliqueParams, inlier_ratio, kabsch, rank_cliques};
-use gmpcr_geometry::PointPairs;
 use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
 use serde_json::Value;
 
+use crate::ranking::rank_cliques;
+use crate::{BitGraph, CliqueParams, PointPairs, inlier_ratio, kabsch};
+
 fn cases() -> Vec<Value> {
-    let golden: Value = serde_json::from_str(include_str!("golden/pairwise.json")).unwrap();
+    let golden: Value =
+        serde_json::from_str(include_str!("../tests/golden/pairwise.json")).unwrap();
     golden["cases"].as_array().unwrap().clone()
 }
 
