@@ -1,13 +1,15 @@
-//! What can be wrong with a cloud or a parameter.
+//! Why there are no features.
 
-/// Why a cloud could not be described. Each variant carries the numbers that were at fault.
+use gmpcr_geometry::InvalidParameter;
+
+/// Why the features of a cloud could not be computed. Each variant carries the numbers that were at fault.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A coordinate is not a number, infinite, or too large to be squared safely.
     #[error("{what} {index} has the coordinate {value}, allowed are numbers from -1e100 to 1e100")]
     Coordinate {
-        /// `"point"`, `"normal"` or `"viewpoint"`.
+        /// `"point"` or `"normal"`.
         what: &'static str,
         /// Position in the slice that was passed.
         index: usize,
@@ -15,16 +17,9 @@ pub enum Error {
         value: f64,
     },
 
-    /// A parameter lies outside its range.
-    #[error("{name} is {value}, allowed is {allowed}")]
-    Parameter {
-        /// Name of the field or argument.
-        name: &'static str,
-        /// The value that was passed.
-        value: f64,
-        /// The range in words.
-        allowed: &'static str,
-    },
+    /// A parameter is out of range.
+    #[error(transparent)]
+    Parameter(#[from] InvalidParameter),
 
     /// Points and normals do not come in pairs.
     #[error("{num_points} points but {num_normals} normals, need one normal for each point")]

@@ -5,10 +5,10 @@ use crate::{Error, check};
 use nalgebra::{Point3, Vector3};
 use std::collections::HashSet;
 
-/// Voxels that the surface of a scan should fill: enough to describe it, few enough that five of
-/// them make out a shape. Rooms of the 3DMatch benchmark fill as many at the customary 5 cm.
+/// Voxels that the surface of a scan should fill: enough for its shape, few enough that five of
+/// them make out a part of it. Rooms of the 3DMatch benchmark fill as many at the customary 5 cm.
 const MAX_VOXELS: usize = 4000;
-/// Mean number of points in a voxel, at least: with fewer, neighborhoods are too sparse to describe.
+/// Mean number of points in a voxel, at least: with fewer, neighborhoods are too sparse for descriptors.
 const MIN_POINTS_PER_VOXEL: usize = 2;
 /// Of larger clouds an even sample is counted: four points for each voxel miss 2 % of them.
 const MAX_COUNTED: usize = 4 * MAX_VOXELS;
@@ -34,11 +34,11 @@ const ACCURACY: f64 = 1.01;
 ///
 /// Of more than 16 000 points a sample of 16 000 is counted, so that [`voxel_grid`] keeps up to a
 /// fifth more points: it also meets the voxels that the surface merely grazes. Scans of one scene
-/// should share one voxel size: take the median of their estimates.
+/// should have one voxel size: [`common_voxel_size`].
 ///
 /// The estimate scales with the cloud and depends neither on the order of the points nor on
-/// repeated points nor on the place of the cloud. Turning a room changes it by a few percent; a
-/// single plane, the worst case, by up to `3^(1/4) = 1.32`. A share `q` of outliers raises it by a
+/// repeated points nor on the position of the cloud. Rotating a room changes it by a few percent; a
+/// single plane, the worst case, by up to `3^(1/4) = 1.32`. A fraction `q` of outliers raises it by a
 /// factor of about `1 + 2 q`. Takes `O(n log n)` time and a copy of the points: they are sorted
 /// once, the rest of the work is bounded.
 ///
@@ -92,6 +92,29 @@ pub fn estimate_voxel_size(points: &[Point3<f64>]) -> Result<Option<f64>, Error>
         }
     }
     Ok(Some(high.clamp(check::SMALLEST, check::LARGEST)))
+}
+
+/// One voxel size for several clouds: the median of their estimates, the lower of the two in the middle.
+///
+/// One size for all makes descriptors comparable. The median leaves it to the majority, whatever a few
+/// clouds of another extent suggest. `None` without estimates. `O(n)`.
+///
+/// ```
+/// use gmpcr_features::{common_voxel_size, estimate_voxel_size};
+/// use nalgebra::Point3;
+///
+/// let cloud = |spacing: f64| (0..50).map(|k| Point3::new(f64::from(k) * spacing, 0.0, 0.0)).collect();
+/// let clouds: [Vec<_>; 4] = [cloud(0.1), cloud(9.0), cloud(0.2), vec![Point3::origin()]];
+/// let estimates: Vec<_> = clouds.iter().map(|cloud| estimate_voxel_size(cloud)).collect::<Result<_, _>>()?;
+/// assert_eq!(common_voxel_size(estimates.iter().copied().flatten()), estimates[2]);
+/// assert_eq!(common_voxel_size([]), None);
+/// # Ok::<(), gmpcr_features::Error>(())
+/// ```
+pub fn common_voxel_size(estimates: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut estimates: Vec<f64> = estimates.into_iter().collect();
+    let middle = estimates.len().checked_sub(1)? / 2;
+    let (_, &mut median, _) = estimates.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(median)
 }
 
 /// Estimates the spacing of the points of a cloud, in its unit: the median distance of a point to

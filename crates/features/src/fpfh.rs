@@ -39,9 +39,8 @@ type Histogram = [f64; FPFH_DIMENSION];
 /// that number; [`voxel_grid`](crate::voxel_grid) removes them.
 ///
 /// # Errors
-/// [`Error::LengthMismatch`] unless there is one normal for each point, [`Error::Parameter`] and
-/// [`Error::Coordinate`] for values outside the ranges that [`FpfhParams`] states or coordinates
-/// outside ±1e100. An empty cloud has no descriptors.
+/// [`Error::LengthMismatch`] unless there is one normal for each point, [`Error::Parameter`] for values
+/// outside the ranges that [`FpfhParams`] states, [`Error::Coordinate`] for coordinates outside ±1e100. An empty cloud has no descriptors.
 ///
 /// ```
 /// use gmpcr_features::{FpfhParams, fpfh};
@@ -66,7 +65,7 @@ pub fn fpfh(
             num_normals,
         });
     }
-    params.check()?;
+    params.validate()?;
     check::points(points)?;
     check::normals(normals)?;
     if points.is_empty() {

@@ -1,4 +1,4 @@
-//! The direction in which a neighborhood is thinnest.
+//! The direction in which a neighborhood extends least.
 
 use crate::neighbors::{Neighbor, Reach, Search};
 use crate::{Error, NormalParams, check};
@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 /// A neighborhood whose second largest eigenvalue is below this part of the largest is a line.
 ///
 /// It is then a million times longer than wide, and the rounding of the covariance (1e-16 of the
-/// largest eigenvalue) would turn the normal by 1e-4 and more.
+/// largest eigenvalue) would rotate the normal by 1e-4 and more.
 const LINE: f64 = 1e-12;
 
 /// QR steps after which the eigenvectors are given up; two or three are usual.
@@ -24,7 +24,7 @@ const MAX_QR_STEPS: usize = 100;
 /// Where no plane is determined, that is with fewer than three points in `N` or all of them on one
 /// line or in one place, the normal is the direction from the point to the viewpoint, or (0, 0, 1)
 /// if the point lies there itself. (Open3D returns ±(0, 0, 1) or whatever rounding leaves.) Where
-/// the two smallest eigenvalues are equal, as on a thin tube, the normal is one of their
+/// the two smallest eigenvalues are equal, as on a tube, the normal is one of their
 /// eigenvectors; where the viewpoint lies in the tangent plane, the sign is open. Results are
 /// always finite unit vectors, and equal input gives equal bits.
 ///
@@ -32,8 +32,8 @@ const MAX_QR_STEPS: usize = 100;
 /// make the searches quadratic in that number; [`voxel_grid`](crate::voxel_grid) removes them.
 ///
 /// # Errors
-/// [`Error::Parameter`] and [`Error::Coordinate`] for values outside the ranges that
-/// [`NormalParams`] states or coordinates outside ±1e100. An empty cloud has no normals.
+/// [`Error::Parameter`] for values outside the ranges that [`NormalParams`] states, [`Error::Coordinate`]
+/// for coordinates outside ±1e100. An empty cloud has no normals.
 ///
 /// ```
 /// use gmpcr_features::{NormalParams, estimate_normals};
@@ -54,7 +54,7 @@ pub fn estimate_normals(
     points: &[Point3<f64>],
     params: &NormalParams,
 ) -> Result<Vec<Vector3<f64>>, Error> {
-    params.check()?;
+    params.validate()?;
     check::points(points)?;
     if points.is_empty() {
         return Ok(Vec::new());
@@ -85,7 +85,7 @@ pub(crate) fn normal_at(
     viewpoint: &Point3<f64>,
 ) -> Vector3<f64> {
     let view = viewpoint - points[center];
-    match thinnest_direction(&covariance(points, center, neighbors)) {
+    match flattest_direction(&covariance(points, center, neighbors)) {
         Some(normal) if normal.dot(&view) < 0.0 => -normal,
         Some(normal) => normal,
         None => view.try_normalize(check::SMALLEST).unwrap_or(Vector3::z()),
@@ -108,7 +108,7 @@ fn covariance(points: &[Point3<f64>], center: usize, neighbors: &[Neighbor]) -> 
 }
 
 /// Eigenvector of the smallest eigenvalue; none if the matrix has a rank below two.
-fn thinnest_direction(covariance: &Matrix3<f64>) -> Option<Vector3<f64>> {
+fn flattest_direction(covariance: &Matrix3<f64>) -> Option<Vector3<f64>> {
     let scale = covariance.trace();
     if scale < f64::MIN_POSITIVE {
         return None;

@@ -1,10 +1,15 @@
 //! What a user can choose, with the defaults of the field.
 
-use crate::{Error, check};
+use crate::{InvalidParameter, check};
 use nalgebra::Point3;
 
 /// Neighborhood and orientation of [`estimate_normals`](crate::estimate_normals).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct NormalParams {
     /// Only points closer than this are fitted, in the unit of the cloud; from 1e-100 to 1e100.
     /// Default 0.10 (two voxels of 5 cm, in meters).
@@ -13,12 +18,17 @@ pub struct NormalParams {
     /// Default 30.
     pub max_neighbors: usize,
     /// Normals point to the side of the surface on which this point lies, in the frame of the
-    /// cloud. Default the origin, where the sensor of a scan usually is.
+    /// cloud; coordinates from -1e100 to 1e100. Default the origin, where the sensor of a scan usually is.
     pub viewpoint: Point3<f64>,
 }
 
 /// Neighborhood of [`fpfh`](crate::fpfh).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct FpfhParams {
     /// Only points closer than this are compared, in the unit of the cloud; from 1e-100 to
     /// 1e100. Default 0.25 (five voxels of 5 cm, in meters).
@@ -28,7 +38,10 @@ pub struct FpfhParams {
     pub max_neighbors: usize,
 }
 
-/// Everything [`describe`](crate::describe) needs to know.
+/// Everything [`compute_features`](crate::compute_features) needs to know.
+///
+/// All lengths are independent of each other: another `voxel_size` leaves the radii as they are, also in a
+/// file that gives no radii. [`from_voxel_size`](Self::from_voxel_size) derives them.
 ///
 /// ```
 /// use gmpcr_features::{FeatureParams, NormalParams};
@@ -45,13 +58,18 @@ pub struct FpfhParams {
 /// # assert_eq!(params.normals.radius, 0.10);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct FeatureParams {
     /// Edge of the cubes of which each keeps one point, in the unit of the cloud; from 1e-100 to
     /// 1e100. Default 0.05 (meters).
     pub voxel_size: f64,
-    /// Normals, fitted to the thinned cloud.
+    /// Normals, fitted to the downsampled cloud.
     pub normals: NormalParams,
-    /// Descriptors of the thinned cloud.
+    /// Descriptors of the downsampled cloud.
     pub fpfh: FpfhParams,
 }
 
@@ -76,10 +94,21 @@ impl FeatureParams {
         }
     }
 
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        check::length("voxel_size", self.voxel_size)?;
-        self.normals.check()?;
-        self.fpfh.check()
+    /// Checks that every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] names the first that is not, such as `normals.radius`.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        let Self {
+            voxel_size,
+            normals,
+            fpfh,
+        } = self;
+        check::length("voxel_size", *voxel_size)?;
+        normals
+            .validate()
+            .map_err(|error| error.within("normals"))?;
+        fpfh.validate().map_err(|error| error.within("fpfh"))
     }
 }
 
@@ -90,10 +119,19 @@ impl Default for FeatureParams {
 }
 
 impl NormalParams {
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        check::length("normals.radius", self.radius)?;
-        check::count("normals.max_neighbors", self.max_neighbors)?;
-        check::viewpoint(&self.viewpoint)
+    /// Checks that every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] names the first that is not, such as `viewpoint.x`.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        let Self {
+            radius,
+            max_neighbors,
+            viewpoint,
+        } = self;
+        check::length("radius", *radius)?;
+        check::count("max_neighbors", *max_neighbors)?;
+        check::viewpoint(viewpoint)
     }
 }
 
@@ -104,9 +142,17 @@ impl Default for NormalParams {
 }
 
 impl FpfhParams {
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        check::length("fpfh.radius", self.radius)?;
-        check::count("fpfh.max_neighbors", self.max_neighbors)
+    /// Checks that every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] names the first that is not.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        let Self {
+            radius,
+            max_neighbors,
+        } = self;
+        check::length("radius", *radius)?;
+        check::count("max_neighbors", *max_neighbors)
     }
 }
 

@@ -4,12 +4,12 @@ use crate::{Error, check};
 use nalgebra::{Point3, Vector3};
 use std::collections::HashMap;
 
-/// Thins a cloud to the mean point of every voxel that holds points.
+/// Downsamples a cloud to the mean point of every voxel that holds points.
 ///
 /// Point `p` falls into the voxel `floor((p - origin) / voxel_size)`, per axis, where
 /// `origin = min - voxel_size / 2` and `min` is the smallest coordinate of the cloud along each
-/// axis (the grid of Open3D's `VoxelDownSample`). The grid moves with the cloud but does not turn
-/// with it, and thinning a thinned cloud again may merge points once more.
+/// axis (the grid of Open3D's `VoxelDownSample`). The grid moves with the cloud but does not rotate
+/// with it, and downsampling twice may merge points once more.
 ///
 /// The result is ordered by the first point of each voxel: permuting the input permutes the
 /// result, apart from the rounding of the means. Takes time linear in the number of points.
@@ -24,8 +24,8 @@ use std::collections::HashMap;
 /// use nalgebra::Point3;
 ///
 /// let cloud = [Point3::new(5.0, 0.0, 0.0), Point3::new(0.0, 0.0, 0.0), Point3::new(0.25, 0.0, 0.0)];
-/// let thinned = voxel_grid(&cloud, 1.0)?;
-/// assert_eq!(thinned, [Point3::new(5.0, 0.0, 0.0), Point3::new(0.125, 0.0, 0.0)]);
+/// let downsampled = voxel_grid(&cloud, 1.0)?;
+/// assert_eq!(downsampled, [Point3::new(5.0, 0.0, 0.0), Point3::new(0.125, 0.0, 0.0)]);
 /// # Ok::<(), gmpcr_features::Error>(())
 /// ```
 pub fn voxel_grid(points: &[Point3<f64>], voxel_size: f64) -> Result<Vec<Point3<f64>>, Error> {
@@ -126,10 +126,10 @@ mod tests {
     #[test]
     fn every_point_is_within_a_voxel_diagonal_of_a_kept_point() {
         let cloud = lattice(9, 0.1);
-        let thinned = voxel_grid(&cloud, 0.23).unwrap();
-        assert!(thinned.len() < cloud.len() / 4);
+        let downsampled = voxel_grid(&cloud, 0.23).unwrap();
+        assert!(downsampled.len() < cloud.len() / 4);
         for point in &cloud {
-            let nearest = thinned
+            let nearest = downsampled
                 .iter()
                 .map(|kept| (kept - point).norm())
                 .reduce(f64::min);

@@ -5,7 +5,9 @@
 mod common;
 
 use common::{bumpy_sheet, uniform};
-use gmpcr_features::{Error, estimate_resolution, estimate_voxel_size, voxel_grid};
+use gmpcr_features::{
+    Error, common_voxel_size, estimate_resolution, estimate_voxel_size, voxel_grid,
+};
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 
@@ -17,10 +19,10 @@ fn resolution(points: &[Point3<f64>]) -> f64 {
     estimate_resolution(points).unwrap().unwrap()
 }
 
-fn assert_close(actual: f64, expected: f64, share: f64) {
+fn assert_close(actual: f64, expected: f64, tolerance: f64) {
     let change = actual / expected - 1.0;
     assert!(
-        change.abs() <= share,
+        change.abs() <= tolerance,
         "{actual} is off {expected} by {change}"
     );
 }
@@ -40,20 +42,24 @@ fn on_a_line(count: u32, step: Vector3<f64>) -> Vec<Point3<f64>> {
 }
 
 #[test]
-fn a_thinned_scan_keeps_four_thousand_points_and_the_voxels_that_the_surface_grazes() {
+fn a_downsampled_scan_keeps_four_thousand_points_and_the_voxels_that_the_surface_grazes() {
     for num_points in [12_000, 20_000, 100_000] {
         let cloud = bumpy_sheet(num_points, 1);
-        let thinned = voxel_grid(&cloud, voxel_size(&cloud)).unwrap();
-        assert!((3800..4800).contains(&thinned.len()), "{}", thinned.len());
+        let downsampled = voxel_grid(&cloud, voxel_size(&cloud)).unwrap();
+        assert!(
+            (3800..4800).contains(&downsampled.len()),
+            "{}",
+            downsampled.len()
+        );
     }
 }
 
 #[test]
-fn a_thinned_sparse_cloud_keeps_about_half_of_its_points() {
+fn a_downsampled_sparse_cloud_keeps_about_half_of_its_points() {
     for num_points in [300, 1000, 5000] {
         let cloud = bumpy_sheet(num_points, 2);
-        let thinned = voxel_grid(&cloud, voxel_size(&cloud)).unwrap();
-        assert_close(thinned.len() as f64, 0.5 * num_points as f64, 0.1);
+        let downsampled = voxel_grid(&cloud, voxel_size(&cloud)).unwrap();
+        assert_close(downsampled.len() as f64, 0.5 * num_points as f64, 0.1);
     }
 }
 
@@ -139,7 +145,7 @@ fn a_cloud_without_extent_has_no_estimate() {
 }
 
 #[test]
-fn two_points_share_a_voxel_of_twice_their_distance_along_an_axis() {
+fn two_points_fall_into_a_voxel_of_twice_their_distance_along_an_axis() {
     let cloud = on_a_line(2, Vector3::new(0.0, 0.25, 0.0));
     assert_close(voxel_size(&cloud), 0.5, 0.01);
     assert_eq!(resolution(&cloud), 0.25);
@@ -169,6 +175,14 @@ fn coordinates_that_are_not_numbers_or_too_large_are_refused() {
     }
 }
 
+#[test]
+fn the_common_voxel_size_is_the_lower_median() {
+    assert_eq!(common_voxel_size([]), None);
+    assert_eq!(common_voxel_size([0.3]), Some(0.3));
+    assert_eq!(common_voxel_size([9.0, 0.2, 0.3, 0.1]), Some(0.2));
+    assert_eq!(common_voxel_size([9.0, 0.2, 0.3, 0.1, 0.4]), Some(0.3));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(32) })]
 
@@ -185,7 +199,7 @@ proptest! {
     }
 
     #[test]
-    fn the_estimates_stay_when_the_cloud_is_shifted(
+    fn the_estimates_stay_when_the_cloud_is_translated(
         seed: u64, num_points in 2_usize..20_000, shift in prop::array::uniform3(-100.0..100.0),
     ) {
         let cloud = bumpy_sheet(num_points, seed);
@@ -196,17 +210,17 @@ proptest! {
     }
 
     #[test]
-    fn a_turn_changes_the_voxel_size_by_less_than_the_cut_of_a_plane_through_cubes(
-        seed: u64, turn in prop::array::uniform3(-3.0..3.0),
+    fn a_rotation_changes_the_voxel_size_by_less_than_the_cut_of_a_plane_through_cubes(
+        seed: u64, axis in prop::array::uniform3(-3.0..3.0),
     ) {
         // A plane of normal n meets |n_x| + |n_y| + |n_z| times as many cubes as one along an axis.
         let cloud = bumpy_sheet(20_000, seed);
-        let rotation = Isometry3::rotation(Vector3::from(turn));
-        let turned: Vec<_> = cloud.iter().map(|point| rotation * point).collect();
-        let change = voxel_size(&turned) / voxel_size(&cloud);
+        let rotation = Isometry3::rotation(Vector3::from(axis));
+        let rotated: Vec<_> = cloud.iter().map(|point| rotation * point).collect();
+        let change = voxel_size(&rotated) / voxel_size(&cloud);
         prop_assert!((0.9..1.35).contains(&change), "{}", change);
-        // The turn draws other 1000 points, whose medians differ by 3 % (one standard deviation).
-        assert_close(resolution(&turned), resolution(&cloud), 0.25);
+        // The rotation draws other 1000 points, whose medians differ by 3 % (one standard deviation).
+        assert_close(resolution(&rotated), resolution(&cloud), 0.25);
     }
 
     #[test]

@@ -6,8 +6,8 @@ mod common;
 
 use common::{bumpy_sheet, uniform};
 use gmpcr_features::{
-    Described, Error, FeatureParams, Fpfh, FpfhParams, NormalParams, describe, estimate_normals,
-    fpfh, voxel_grid,
+    Error, FeatureParams, Features, Fpfh, FpfhParams, NormalParams, compute_features,
+    estimate_normals, fpfh, voxel_grid,
 };
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
@@ -22,16 +22,16 @@ const FPFH: FpfhParams = FpfhParams {
     max_neighbors: 100,
 };
 
-fn assert_sound(described: &Described) {
-    assert_eq!(described.points.len(), described.normals.len());
-    assert_eq!(described.points.len(), described.descriptors.len());
+fn assert_sound(features: &Features) {
+    assert_eq!(features.points.len(), features.normals.len());
+    assert_eq!(features.points.len(), features.descriptors.len());
     assert!(
-        described
+        features
             .normals
             .iter()
             .all(|normal| (normal.norm() - 1.0).abs() < 1e-12)
     );
-    for block in described.descriptors.iter().flat_map(|d| d.chunks(11)) {
+    for block in features.descriptors.iter().flat_map(|d| d.chunks(11)) {
         let sum: f32 = block.iter().sum();
         assert!(block.iter().all(|value| (0.0..=200.001).contains(value)));
         assert!(
@@ -44,18 +44,18 @@ fn assert_sound(described: &Described) {
 }
 
 /// All steps on the points as they are, without the voxel grid.
-fn describe_all(
+fn features_of_all(
     points: &[Point3<f64>],
     normals: &NormalParams,
     fpfh_params: &FpfhParams,
-) -> Described {
+) -> Features {
     let normals = estimate_normals(points, normals).unwrap();
     let descriptors = fpfh(points, &normals, fpfh_params).unwrap();
-    Described {
-        points: points.to_vec(),
-        normals,
-        descriptors,
-    }
+    let mut features = Features::default();
+    features.points = points.to_vec();
+    features.normals = normals;
+    features.descriptors = descriptors;
+    features
 }
 
 fn largest_difference(a: &Fpfh, b: &Fpfh) -> f32 {
@@ -66,7 +66,7 @@ fn largest_difference(a: &Fpfh, b: &Fpfh) -> f32 {
 }
 
 /// Rounding moves some pairs to another bin: those at a border, and those whose normals were fitted
-/// to the same points, so that which of the two is the source is a toss-up.
+/// to the same points, so that rounding decides which of the two is the source.
 fn assert_nearly_all_descriptors_agree(a: &[Fpfh], b: &[Fpfh]) {
     assert_eq!(a.len(), b.len());
     let moved = a
@@ -82,7 +82,7 @@ fn assert_nearly_all_descriptors_agree(a: &[Fpfh], b: &[Fpfh]) {
 }
 
 #[test]
-fn describing_is_the_three_steps_in_a_row() {
+fn computing_features_is_the_three_steps_in_a_row() {
     let cloud = bumpy_sheet(3000, 1);
     let shared = FeatureParams::from_voxel_size(0.04);
     let separate = FeatureParams {
@@ -95,13 +95,13 @@ fn describing_is_the_three_steps_in_a_row() {
     };
     for params in [shared, separate] {
         let points = voxel_grid(&cloud, params.voxel_size).unwrap();
-        let described = describe(&cloud, &params).unwrap();
+        let features = compute_features(&cloud, &params).unwrap();
         assert!(points.len() > 300 && points.len() < cloud.len());
         assert_eq!(
-            described,
-            describe_all(&points, &params.normals, &params.fpfh)
+            features,
+            features_of_all(&points, &params.normals, &params.fpfh)
         );
-        assert_sound(&described);
+        assert_sound(&features);
     }
 }
 
@@ -109,19 +109,22 @@ fn describing_is_the_three_steps_in_a_row() {
 fn the_same_cloud_gives_the_same_bits() {
     let cloud = bumpy_sheet(2000, 2);
     let params = FeatureParams::default();
-    assert_eq!(describe(&cloud, &params), describe(&cloud, &params));
+    assert_eq!(
+        compute_features(&cloud, &params),
+        compute_features(&cloud, &params)
+    );
 }
 
 #[test]
 fn every_histogram_of_a_point_with_neighbors_sums_to_two_hundred() {
-    let described = describe(&bumpy_sheet(2000, 3), &FeatureParams::default()).unwrap();
-    for block in described.descriptors.iter().flat_map(|d| d.chunks(11)) {
+    let features = compute_features(&bumpy_sheet(2000, 3), &FeatureParams::default()).unwrap();
+    for block in features.descriptors.iter().flat_map(|d| d.chunks(11)) {
         assert!((block.iter().sum::<f32>() - 200.0).abs() < 1e-3);
     }
 }
 
 #[test]
-fn a_rigid_transformation_turns_the_normals_and_leaves_the_descriptors() {
+fn a_rigid_transformation_rotates_the_normals_and_leaves_the_descriptors() {
     let cloud = bumpy_sheet(800, 4);
     let transformation = Isometry3::new(Vector3::new(3.0, -2.0, 1.0), Vector3::new(0.4, -1.1, 2.0));
     let moved: Vec<_> = cloud.iter().map(|point| transformation * point).collect();
@@ -130,8 +133,8 @@ fn a_rigid_transformation_turns_the_normals_and_leaves_the_descriptors() {
         ..NORMALS
     };
 
-    let here = describe_all(&cloud, &NORMALS, &FPFH);
-    let there = describe_all(&moved, &moved_params, &FPFH);
+    let here = features_of_all(&cloud, &NORMALS, &FPFH);
+    let there = features_of_all(&moved, &moved_params, &FPFH);
 
     for (here, there) in here.normals.iter().zip(&there.normals) {
         assert!((transformation * here - there).norm() < 1e-9);
@@ -153,8 +156,8 @@ fn a_scaled_cloud_with_scaled_radii_has_the_same_descriptors() {
         radius: 250.0,
         ..FPFH
     };
-    let here = describe_all(&cloud, &NORMALS, &FPFH);
-    let there = describe_all(&scaled, &scaled_normals, &scaled_fpfh);
+    let here = features_of_all(&cloud, &NORMALS, &FPFH);
+    let there = features_of_all(&scaled, &scaled_normals, &scaled_fpfh);
     assert_nearly_all_descriptors_agree(&here.descriptors, &there.descriptors);
 }
 
@@ -166,8 +169,8 @@ fn permuting_the_points_permutes_normals_and_descriptors() {
     order.sort_by_cached_key(|_| next().to_bits());
     let shuffled: Vec<_> = order.iter().map(|&k| cloud[k]).collect();
 
-    let straight = describe_all(&cloud, &NORMALS, &FPFH);
-    let shuffled = describe_all(&shuffled, &NORMALS, &FPFH);
+    let straight = features_of_all(&cloud, &NORMALS, &FPFH);
+    let shuffled = features_of_all(&shuffled, &NORMALS, &FPFH);
 
     for (position, &k) in order.iter().enumerate() {
         assert_eq!(straight.normals[k], shuffled.normals[position]);
@@ -177,10 +180,10 @@ fn permuting_the_points_permutes_normals_and_descriptors() {
 }
 
 #[test]
-fn an_empty_cloud_is_described_by_nothing() {
+fn an_empty_cloud_has_no_features() {
     assert_eq!(
-        describe(&[], &FeatureParams::default()),
-        Ok(Described::default())
+        compute_features(&[], &FeatureParams::default()),
+        Ok(Features::default())
     );
     assert_eq!(estimate_normals(&[], &NORMALS), Ok(vec![]));
     assert_eq!(fpfh(&[], &[], &FPFH), Ok(vec![]));
@@ -188,13 +191,14 @@ fn an_empty_cloud_is_described_by_nothing() {
 
 #[test]
 fn a_single_point_faces_the_viewpoint_and_has_a_zero_descriptor() {
-    let described = describe(&[Point3::new(0.0, 3.0, 4.0)], &FeatureParams::default()).unwrap();
-    assert_eq!(described.normals, [Vector3::new(0.0, -0.6, -0.8)]);
-    assert_eq!(described.descriptors, [[0.0; 33]]);
+    let features =
+        compute_features(&[Point3::new(0.0, 3.0, 4.0)], &FeatureParams::default()).unwrap();
+    assert_eq!(features.normals, [Vector3::new(0.0, -0.6, -0.8)]);
+    assert_eq!(features.descriptors, [[0.0; 33]]);
 }
 
 #[test]
-fn degenerate_clouds_are_described_by_finite_numbers() {
+fn degenerate_clouds_have_finite_features() {
     let line = |k: usize| Point3::new(0.1, 0.2, 0.3) * k as f64;
     let plane = |k: usize| Point3::new((k % 30) as f64, (k / 30) as f64, 0.0) * 0.05;
     let clouds: [(&str, Vec<Point3<f64>>); 7] = [
@@ -216,7 +220,7 @@ fn degenerate_clouds_are_described_by_finite_numbers() {
                 radius,
                 ..NormalParams::default()
             };
-            assert_sound(&describe_all(
+            assert_sound(&features_of_all(
                 &cloud,
                 &normals,
                 &FpfhParams {
@@ -225,7 +229,7 @@ fn degenerate_clouds_are_described_by_finite_numbers() {
                 },
             ));
         }
-        assert_sound(&describe(&cloud, &FeatureParams::default()).unwrap());
+        assert_sound(&compute_features(&cloud, &FeatureParams::default()).unwrap());
     }
 }
 
@@ -245,7 +249,7 @@ fn coordinates_that_are_not_finite_are_named() {
             )
         };
         assert!(is_named(
-            describe(&cloud, &FeatureParams::default()).unwrap_err()
+            compute_features(&cloud, &FeatureParams::default()).unwrap_err()
         ));
         assert!(is_named(voxel_grid(&cloud, 0.1).unwrap_err()));
         assert!(is_named(estimate_normals(&cloud, &NORMALS).unwrap_err()));
@@ -264,80 +268,70 @@ fn coordinates_that_are_not_finite_are_named() {
             ..
         }
     ));
-    let nowhere = NormalParams {
-        viewpoint: Point3::new(f64::NAN, 0.0, 0.0),
-        ..NORMALS
-    };
-    assert!(matches!(
-        estimate_normals(&[], &nowhere),
-        Err(Error::Coordinate {
-            what: "viewpoint",
-            ..
-        })
-    ));
 }
 
 #[test]
-fn parameters_out_of_range_are_named() {
-    let names = |error: Error| match error {
-        Error::Parameter { name, .. } => name,
-        other => panic!("{other}"),
-    };
-    let good = FeatureParams::default();
-    for length in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-101, 1e101] {
-        let normals = NormalParams {
-            radius: length,
-            ..good.normals
-        };
-        let fpfh_params = FpfhParams {
-            radius: length,
-            ..good.fpfh
-        };
-        for (params, name) in [
-            (
-                FeatureParams {
-                    voxel_size: length,
-                    ..good
-                },
-                "voxel_size",
-            ),
-            (FeatureParams { normals, ..good }, "normals.radius"),
-            (
-                FeatureParams {
-                    fpfh: fpfh_params,
-                    ..good
-                },
-                "fpfh.radius",
-            ),
-        ] {
-            assert_eq!(names(describe(&[], &params).unwrap_err()), name);
+fn every_parameter_out_of_range_is_named() {
+    fn name(error: Error) -> String {
+        match error {
+            Error::Parameter(error) => error.name,
+            other => panic!("{other}"),
         }
-        assert_eq!(names(voxel_grid(&[], length).unwrap_err()), "voxel_size");
-        assert_eq!(
-            names(estimate_normals(&[], &normals).unwrap_err()),
-            "normals.radius"
-        );
-        assert_eq!(
-            names(fpfh(&[], &[], &fpfh_params).unwrap_err()),
-            "fpfh.radius"
-        );
     }
-    let none = NormalParams {
-        max_neighbors: 0,
-        ..NORMALS
-    };
-    assert_eq!(
-        names(estimate_normals(&[], &none).unwrap_err()),
-        "normals.max_neighbors"
-    );
-    let none = FpfhParams {
-        max_neighbors: 0,
-        ..FPFH
-    };
-    assert_eq!(
-        names(fpfh(&[], &[], &none).unwrap_err()),
-        "fpfh.max_neighbors"
-    );
+    let lengths = [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-101, 1e101];
+    type Spoil = fn(&mut FeatureParams, f64);
+    let cases: [(&str, Spoil, &[f64]); 8] = [
+        ("voxel_size", |p, value| p.voxel_size = value, &lengths),
+        (
+            "normals.radius",
+            |p, value| p.normals.radius = value,
+            &lengths,
+        ),
+        (
+            "normals.max_neighbors",
+            |p, _| p.normals.max_neighbors = 0,
+            &[0.0],
+        ),
+        (
+            "normals.viewpoint.x",
+            |p, value| p.normals.viewpoint.x = value,
+            &[f64::NAN, 1e101],
+        ),
+        (
+            "normals.viewpoint.y",
+            |p, value| p.normals.viewpoint.y = value,
+            &[f64::INFINITY],
+        ),
+        (
+            "normals.viewpoint.z",
+            |p, value| p.normals.viewpoint.z = value,
+            &[-1e101],
+        ),
+        ("fpfh.radius", |p, value| p.fpfh.radius = value, &lengths),
+        (
+            "fpfh.max_neighbors",
+            |p, _| p.fpfh.max_neighbors = 0,
+            &[0.0],
+        ),
+    ];
+    for (expected, spoil, values) in cases {
+        for &value in values {
+            let mut params = FeatureParams::default();
+            assert_eq!(params.validate(), Ok(()));
+            spoil(&mut params, value);
+            assert_eq!(params.validate().unwrap_err().name, expected);
+            assert_eq!(name(compute_features(&[], &params).unwrap_err()), expected);
+            let single_step = match expected.split_once('.') {
+                Some(("normals", _)) => estimate_normals(&[], &params.normals).unwrap_err(),
+                Some(_) => fpfh(&[], &[], &params.fpfh).unwrap_err(),
+                None => voxel_grid(&[], params.voxel_size).unwrap_err(),
+            };
+            let field = expected
+                .split_once('.')
+                .map_or(expected, |(_, field)| field);
+            assert_eq!(name(single_step), field);
+        }
+    }
 }
 
 #[test]
@@ -345,7 +339,7 @@ fn the_message_of_a_bad_parameter_names_the_range() {
     let error = voxel_grid(&[], -0.5).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "voxel_size is -0.5, allowed is a length from 1e-100 to 1e100"
+        "parameter voxel_size is -0.5: it must be a length from 1e-100 to 1e100"
     );
 }
 
@@ -374,7 +368,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn any_cloud_is_described_or_refused(
+    fn any_cloud_has_features_or_is_refused(
         coordinates in prop::collection::vec(prop::array::uniform3(awkward_coordinate()), 0..60),
         voxel_size in prop::sample::select(vec![1e-100, 1e-3, 0.05, 1.0, 1e9, 1e100]),
         max_neighbors in prop::sample::select(vec![1, 2, 3, 10, usize::MAX]),
@@ -384,10 +378,10 @@ proptest! {
             voxel_size, ..FeatureParams::from_voxel_size(voxel_size.clamp(1e-90, 1e90))
         };
         params.fpfh.max_neighbors = max_neighbors;
-        match describe(&cloud, &params) {
-            Ok(described) => assert_sound(&described),
+        match compute_features(&cloud, &params) {
+            Ok(features) => assert_sound(&features),
             Err(error) => prop_assert!(matches!(error, Error::ExtentTooLarge { .. }), "{}", error),
         }
-        assert_sound(&describe_all(&cloud, &params.normals, &params.fpfh));
+        assert_sound(&features_of_all(&cloud, &params.normals, &params.fpfh));
     }
 }

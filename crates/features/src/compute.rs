@@ -6,42 +6,45 @@ use crate::normals::normal_at;
 use crate::{Error, FeatureParams, Fpfh, NormalParams, estimate_normals, voxel_grid};
 use nalgebra::{Point3, Vector3};
 
-/// A thinned cloud with a normal and a descriptor for each point; all three of one length.
+/// A downsampled cloud with a normal and a descriptor for each point; all three of one length.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Described {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Features {
     /// One point per occupied voxel, in the frame and unit of the cloud.
     pub points: Vec<Point3<f64>>,
     /// Unit normals, towards the viewpoint.
     pub normals: Vec<Vector3<f64>>,
     /// Fast point feature histograms.
+    #[cfg_attr(feature = "serde", serde(with = "crate::fpfh_rows"))]
     pub descriptors: Vec<Fpfh>,
 }
 
-/// Thins a cloud, estimates normals and describes every point that is left.
+/// Downsamples a cloud, and estimates the normal and computes the descriptor of every point that is left.
 ///
 /// Gives the same bits as [`voxel_grid`], [`estimate_normals`] and [`fpfh`](crate::fpfh) one after
 /// the other, but searches neighbors once, if the descriptors reach at least as far as the
 /// normals in radius and number.
 ///
 /// # Errors
-/// Those of the three steps; all parameters are checked before the work begins. An empty cloud is
-/// described by nothing.
+/// Those of the three steps; all parameters are checked before the work begins. An empty cloud
+/// has no features.
 ///
 /// ```
-/// use gmpcr_features::{Error, FeatureParams, describe};
+/// use gmpcr_features::{Error, FeatureParams, compute_features};
 /// use nalgebra::Point3;
 ///
 /// let cloud = [Point3::new(0.0, 0.0, 1.0), Point3::new(0.0, f64::NAN, 1.0)];
 /// let params = FeatureParams::default();
-/// assert_eq!(describe(&cloud[..1], &params)?.points.len(), 1);
-/// assert!(matches!(describe(&cloud, &params), Err(Error::Coordinate { index: 1, .. })));
+/// assert_eq!(compute_features(&cloud[..1], &params)?.points.len(), 1);
+/// assert!(matches!(compute_features(&cloud, &params), Err(Error::Coordinate { index: 1, .. })));
 /// # Ok::<(), Error>(())
 /// ```
-pub fn describe(points: &[Point3<f64>], params: &FeatureParams) -> Result<Described, Error> {
-    params.check()?;
+pub fn compute_features(points: &[Point3<f64>], params: &FeatureParams) -> Result<Features, Error> {
+    params.validate()?;
     let points = voxel_grid(points, params.voxel_size)?;
     if points.is_empty() {
-        return Ok(Described::default());
+        return Ok(Features::default());
     }
     let neighborhoods = Search::new(&points)?.everywhere(params.fpfh.reach());
     let normals = if params.fpfh.reach().covers(&params.normals.reach()) {
@@ -50,7 +53,7 @@ pub fn describe(points: &[Point3<f64>], params: &FeatureParams) -> Result<Descri
         estimate_normals(&points, &params.normals)?
     };
     let descriptors = fpfh_of(&points, &normals, &neighborhoods);
-    Ok(Described {
+    Ok(Features {
         points,
         normals,
         descriptors,
