@@ -41,13 +41,13 @@ pub struct Verbosity {
 pub enum Command {
     /// Register scans and write poses, pose graph, merged cloud and report.
     Register(RegisterArguments),
-    /// Find the motion between two scans, with the evidence for it.
+    /// Find the transformation between two scans, and its support.
     Pair(PairArguments),
-    /// Synchronise the relative poses of a g2o file.
+    /// Synchronize the relative poses of a g2o file.
     Sync(SyncArguments),
-    /// Tell about scans: points, extent, resolution, overlap.
+    /// Describe scans: points, extent, resolution, overlap.
     Info(InfoArguments),
-    /// Compare a result with the truth.
+    /// Compare a result with the ground truth.
     Eval(EvalArguments),
     /// Print all parameters, with comments, for --config.
     Params(ParamsArguments),
@@ -75,18 +75,18 @@ pub struct RegisterArguments {
     pub descriptors: Option<PathBuf>,
     #[command(flatten)]
     pub tuning: Tuning,
-    /// Keep one point per voxel of each scan in merged.ply; without SIZE, of the working voxel.
+    /// Keep one point per voxel of each scan in merged.ply; without SIZE, of the voxel size of the features.
     #[arg(long, value_name = "SIZE", num_args = 0..=1, require_equals = true, value_parser = positive)]
-    pub thin: Option<Option<f64>>,
+    pub downsample: Option<Option<f64>>,
 }
 
 #[derive(Args)]
 #[command(after_help = "Example: gmpcr pair hall.ply stairs.ply --json")]
 pub struct PairArguments {
-    /// The scan into whose frame the motion maps.
+    /// The scan into whose frame the transformation maps.
     #[arg(value_name = "A")]
     pub target: PathBuf,
-    /// The scan from whose frame the motion maps.
+    /// The scan from whose frame the transformation maps.
     #[arg(value_name = "B")]
     pub source: PathBuf,
     #[command(flatten)]
@@ -126,14 +126,14 @@ pub struct InfoArguments {
 pub struct EvalArguments {
     /// result.json of a registration.
     pub result: PathBuf,
-    /// The truth: pairs of the 3DMatch benchmark (gt.log, with gt.info beside it for the recall);
+    /// The ground truth: pairs of the 3DMatch benchmark (gt.log, with gt.info beside it for the recall);
     /// absolute poses as TUM, KITTI or rows of 3×4 matrices; or the folder of a benchmark's scene.
-    #[arg(value_name = "TRUTH")]
-    pub truth: PathBuf,
+    #[arg(value_name = "GROUND_TRUTH")]
+    pub ground_truth: PathBuf,
     /// A pair counts as registered within this angle (degrees) …
     #[arg(long, value_name = "DEGREES", default_value_t = 15.0, value_parser = positive)]
     pub max_rotation: f64,
-    /// … and this length in the unit of the scans; the default is meant for rooms in metres.
+    /// … and this length in the unit of the scans; the default is meant for rooms in meters.
     #[arg(long, value_name = "LENGTH", default_value_t = 0.3, value_parser = positive)]
     pub max_translation: f64,
 }
@@ -152,7 +152,7 @@ pub struct Tuning {
     /// little overlap), scannet (RGB-D sequences) or eth (outdoor laser scans).
     #[arg(long, default_value = "threedmatch")]
     pub preset: Preset,
-    /// Working voxel in the unit of the scans, instead of the estimated one. All lengths follow it.
+    /// Voxel size in the unit of the scans, instead of the estimated one. All lengths follow it.
     #[arg(long, value_name = "SIZE", value_parser = positive, allow_hyphen_values = true)]
     pub voxel: Option<f64>,
     /// File of parameters, as of `gmpcr params`.

@@ -1,19 +1,17 @@
 //! The program `gmpcr`: registers a folder of overlapping point clouds and reports how sure it is.
 
 mod arguments;
-mod attention;
 mod commands;
 mod config;
-mod described;
-mod georeference;
-mod links;
+mod input;
 mod outcome;
 mod output;
 mod progress;
 mod report;
 mod result;
-mod scans;
+mod scan_files;
 mod table;
+mod warnings;
 
 use std::io::{self, Write};
 use std::process::ExitCode;

@@ -4,16 +4,15 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gmpcr::nalgebra::{Matrix6, Point3, Vector6};
-use gmpcr::{Params, Registration, features::voxel_grid};
+use gmpcr::features::voxel_grid;
+use gmpcr::nalgebra::{Isometry3, Point3};
+use gmpcr::{Params, Registration};
 use gmpcr_io::{
-    Coordinates, G2o, G2oEdge, G2oVertex, Open3dEdge, Open3dPoseGraph, distinct_color, write_g2o,
-    write_merged_ply, write_open3d_pose_graph, write_poses_3x4, write_poses_tum, write_text,
+    ColoredCloud, Coordinates, PosedGraph, distinct_color, write_g2o, write_merged_ply,
+    write_open3d_pose_graph, write_poses_3x4, write_poses_tum, write_text,
 };
 
-use crate::described::DescribedScans;
-use crate::georeference::FileFrames;
-use crate::links::Links;
+use crate::input::Input;
 use crate::outcome::Failure;
 use crate::progress::Progress;
 use crate::report::report_html;
@@ -35,13 +34,13 @@ pub const FILES: [(&str, Write); 7] = [
 /// What there is to write.
 pub struct Output<'a> {
     pub title: &'a str,
-    pub input: &'a DescribedScans,
+    pub input: &'a Input,
     pub params: &'a Params,
-    pub registration: &'a Registration,
-    pub frames: &'a FileFrames,
     pub result: &'a ResultFile,
-    /// Voxel that thins the merged cloud.
-    pub thin: Option<f64>,
+    /// The poses in the coordinates that registration saw, for the picture.
+    pub world_from_local: &'a [Isometry3<f64>],
+    /// Voxel size that the merged cloud is downsampled to.
+    pub downsample: Option<f64>,
 }
 
 /// Creates the folder, and makes sure that files can be written into it, over none of the scans, before
@@ -89,21 +88,21 @@ impl Output<'_> {
     }
 
     fn write_tum(&self, path: &Path) -> Result<(), Failure> {
-        let poses = self.indexed_poses();
+        let poses = self.registration().indexed_poses();
         let stamped: Vec<_> = poses.iter().map(|&(k, pose)| (k as f64, pose)).collect();
         Ok(write_poses_tum(path, &stamped)?)
     }
 
     fn write_rows(&self, path: &Path) -> Result<(), Failure> {
-        Ok(write_poses_3x4(path, &self.indexed_poses())?)
+        Ok(write_poses_3x4(path, &self.registration().indexed_poses())?)
     }
 
     fn write_g2o(&self, path: &Path) -> Result<(), Failure> {
-        Ok(write_g2o(path, &self.g2o())?)
+        Ok(write_g2o(path, &self.graph().to_g2o())?)
     }
 
     fn write_open3d(&self, path: &Path) -> Result<(), Failure> {
-        Ok(write_open3d_pose_graph(path, &self.open3d())?)
+        Ok(write_open3d_pose_graph(path, &self.graph().to_open3d())?)
     }
 
     fn write_report(&self, path: &Path) -> Result<(), Failure> {
@@ -115,132 +114,39 @@ impl Output<'_> {
         Ok(write_text(path, &text)?)
     }
 
-    /// The scans of the largest component: one frame, one picture.
-    fn scans(&self) -> &[usize] {
-        self.registration.components.largest()
-    }
-
-    fn indexed_poses(&self) -> Vec<(usize, gmpcr::nalgebra::Isometry3<f64>)> {
-        let scans = self.scans().iter();
-        scans
-            .map(|&scan| (scan, self.frames.world_from_scan[scan]))
-            .collect()
-    }
-
     fn write_merged(&self, path: &Path) -> Result<(), Failure> {
-        let clouds = &self.input.clouds;
-        let is_shifted = |&scan: &usize| clouds[scan].origin.norm() > 0.0;
-        let coordinates = match self.scans().iter().any(is_shifted) {
+        let (set, scans) = (&self.input.set, self.registration().components.largest());
+        let is_shifted = |&scan: &usize| set.clouds[scan].origin.norm() > 0.0;
+        let coordinates = match scans.iter().any(is_shifted) {
             true => Coordinates::Double,
             false => Coordinates::Single,
         };
-        let points = |&scan: &usize| self.thinned(&clouds[scan].points);
-        let points: Result<Vec<_>, Failure> = self.scans().iter().map(points).collect();
-        let moved = self.scans().iter().zip(points?).map(|(&scan, points)| {
-            let shift = clouds[scan].file_from_points();
-            let world_from_points = self.frames.world_from_scan[scan] * shift;
-            let mut points = points.into_owned();
-            for point in &mut points {
-                *point = world_from_points * *point;
-            }
-            (points, distinct_color(scan))
+        let points = scans.iter().map(|&scan| self.downsampled(&set.clouds[scan].points));
+        let points = points.collect::<Result<Vec<_>, Failure>>()?;
+        let file_from_points = set.cloud_from_local();
+        let clouds = scans.iter().zip(points).map(|(&scan, points)| ColoredCloud {
+            points,
+            world_from_points: self.registration().world_from_scan[scan] * file_from_points[scan],
+            color: distinct_color(scan),
         });
-        Ok(write_merged_ply(path, coordinates, moved)?)
+        Ok(write_merged_ply(path, coordinates, clouds)?)
     }
 
-    fn thinned<'p>(&self, points: &'p [Point3<f64>]) -> Result<Cow<'p, [Point3<f64>]>, Failure> {
-        let Some(voxel) = self.thin else {
+    fn downsampled<'p>(&self, points: &'p [Point3<f64>]) -> Result<Cow<'p, [Point3<f64>]>, Failure> {
+        let Some(voxel_size) = self.downsample else {
             return Ok(points.into());
         };
-        let thinned =
-            voxel_grid(points, voxel).map_err(|error| format!("merged.ply: --thin: {error}"))?;
-        Ok(thinned.into())
+        let downsampled = voxel_grid(points, voxel_size)
+            .map_err(|error| format!("merged.ply: --downsample: {error}"))?;
+        Ok(downsampled.into())
     }
 
-    /// The edges of the largest component with the final poses as vertices.
-    fn g2o(&self) -> G2o {
-        let vertex = |(id, world_from_vertex)| G2oVertex {
-            id,
-            world_from_vertex,
-        };
-        let edge = |edge: WeightedEdge| {
-            let i_from_j = self.frames.i_from_j[edge.position];
-            let [t, r] = self.certainties();
-            G2oEdge {
-                i: edge.i,
-                j: edge.j,
-                i_from_j,
-                // g2o measures a rotation by the vector part of its quaternion, half of the angle.
-                information: diagonal([t, 4.0 * r]) * edge.weight,
-            }
-        };
-        G2o {
-            vertices: self.indexed_poses().into_iter().map(vertex).collect(),
-            edges: self.edges().map(edge).collect(),
-        }
+    fn graph(&self) -> PosedGraph {
+        self.registration().posed_graph(self.params)
     }
 
-    /// The same as Open3D has it: nodes are counted without gaps, and rotation comes first.
-    fn open3d(&self) -> Open3dPoseGraph {
-        let poses = self.indexed_poses();
-        let node = |scan: usize| poses.partition_point(|&(other, _)| other < scan);
-        let edge = |edge: WeightedEdge| {
-            let [t, r] = self.certainties();
-            Open3dEdge {
-                source: node(edge.j),
-                target: node(edge.i),
-                target_from_source: self.frames.i_from_j[edge.position],
-                information: diagonal([r, t]) * edge.weight,
-                uncertain: true,
-                confidence: 1.0,
-            }
-        };
-        Open3dPoseGraph {
-            edges: self.edges().map(edge).collect(),
-            nodes: poses.iter().map(|&(_, pose)| pose).collect(),
-        }
+    /// In the coordinates of the files.
+    pub fn registration(&self) -> &Registration {
+        &self.result.registration
     }
-
-    /// Information of translation and rotation (radians) of the edge of largest weight: an inlier
-    /// threshold, or a residual scale, counts as one standard deviation.
-    fn certainties(&self) -> [f64; 2] {
-        let deviations = [
-            self.params.cliques.inlier_threshold,
-            self.params.sync.residual_scale,
-        ];
-        deviations.map(|sigma| 1.0 / (sigma * sigma))
-    }
-
-    /// The edges of the largest component, but for those of less than a millionth of the largest weight
-    /// that nothing depends on.
-    fn edges(&self) -> impl Iterator<Item = WeightedEdge> {
-        const LEAST: f64 = 1e-6;
-        let evidence = &self.registration.evidence;
-        let scans = self.scans();
-        let inside = |k: &usize| scans.binary_search(&evidence[*k].i).is_ok();
-        let positions: Vec<usize> = (0..evidence.len()).filter(inside).collect();
-        let weights = positions.iter().map(|&k| evidence[k].final_weight);
-        let largest = weights.fold(f64::MIN_POSITIVE, f64::max);
-        let tree = Links::of(self.registration).weakest();
-        let edges = positions.into_iter().map(move |position| WeightedEdge {
-            position,
-            i: evidence[position].i,
-            j: evidence[position].j,
-            weight: (evidence[position].final_weight / largest).max(LEAST),
-        });
-        edges.filter(move |edge| edge.weight > LEAST || tree.contains(&edge.position))
-    }
-}
-
-struct WeightedEdge {
-    position: usize,
-    i: usize,
-    j: usize,
-    /// Final weight relative to the largest.
-    weight: f64,
-}
-
-/// A diagonal matrix of two blocks.
-fn diagonal([first, last]: [f64; 2]) -> Matrix6<f64> {
-    Matrix6::from_diagonal(&Vector6::new(first, first, first, last, last, last))
 }

@@ -1,6 +1,7 @@
-use gmpcr_correspondence::{DescriptorsError, DimensionsDiffer, ScanError};
+use gmpcr_correspondence::{CorrespondenceError, DescriptorsError, DimensionsDiffer, ScanError};
+use gmpcr_geometry::InvalidParameter;
 
-use crate::Stage;
+use crate::{MAX_CORRESPONDENCES, ScanId, Stage};
 
 /// Why scans could not be registered at all.
 ///
@@ -32,16 +33,46 @@ pub enum Error {
         /// The dimension of that scan.
         dimension: usize,
     },
-    /// A parameter is out of range.
-    #[error("parameter {name} is {value}: it must be {allowed}")]
-    Parameter {
-        /// The parameter, as its path within [`Params`](crate::Params).
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The admissible values.
-        allowed: &'static str,
+    /// A parameter is out of range; it is named by its path within [`Params`](crate::Params).
+    #[error(transparent)]
+    Parameter(#[from] InvalidParameter),
+    /// Given correspondences belong to no two scans.
+    #[error("correspondences of scans ({i}, {j}): a pair must have i < j < {num_scans}")]
+    MatchedPair {
+        /// The first scan of the pair.
+        i: usize,
+        /// The second scan of the pair.
+        j: usize,
+        /// Number of scans.
+        num_scans: usize,
     },
+    /// A pair has more correspondences than memory for their graphs.
+    #[error(
+        "{count} correspondences of a pair: at most {MAX_CORRESPONDENCES} are allowed; give the best ones"
+    )]
+    TooManyCorrespondences {
+        /// Their number.
+        count: usize,
+    },
+    /// No scan has this id: it was removed, or never added.
+    #[error("there is no scan {scan}")]
+    UnknownScan {
+        /// The id.
+        scan: ScanId,
+    },
+    /// There is not one scan per cloud.
+    #[cfg(feature = "fpfh")]
+    #[error("{scans} scans for {clouds} clouds: one of each is needed")]
+    ScansAndClouds {
+        /// Number of scans.
+        scans: usize,
+        /// Number of clouds.
+        clouds: usize,
+    },
+    /// The voxel size cannot be estimated.
+    #[cfg(feature = "fpfh")]
+    #[error("no cloud has two different points: nothing can be said of them")]
+    NoExtent,
     /// The [`Observer`](crate::Observer) ended the registration.
     #[error("cancelled during {stage}")]
     Cancelled {
@@ -49,7 +80,7 @@ pub enum Error {
         stage: Stage,
     },
     /// Features of a cloud could not be computed.
-    #[cfg(feature = "features")]
+    #[cfg(feature = "fpfh")]
     #[error("cloud {cloud}: {source}")]
     Features {
         /// Index of the cloud.
@@ -60,13 +91,16 @@ pub enum Error {
 }
 
 impl Error {
-    /// The dimensions of scans `i` and `j`.
-    pub(crate) fn of_pair(i: usize, j: usize, differ: DimensionsDiffer) -> Self {
-        Self::DimensionsDiffer {
-            first: i,
-            expected: differ.i,
-            scan: j,
-            dimension: differ.j,
+    /// Why scans `i` and `j` could not be matched.
+    pub(crate) fn of_pair(i: usize, j: usize, error: CorrespondenceError) -> Self {
+        match error {
+            CorrespondenceError::DimensionsDiffer(differ) => Self::DimensionsDiffer {
+                first: i,
+                expected: differ.i,
+                scan: j,
+                dimension: differ.j,
+            },
+            CorrespondenceError::Parameter(error) => Self::Parameter(error),
         }
     }
 }

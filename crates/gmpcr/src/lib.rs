@@ -1,18 +1,16 @@
-//! Spectral consistency-guided multiview registration of point clouds: many partially overlapping
-//! scans in, one consistent pose per scan out, also where scans share only 10–30 % of their surface.
+//! GMPCR, spectral consistency-Guided Multiview Point Cloud Registration: many overlapping scans in, one
+//! consistent pose per scan out, also where scans share only 10–30 % of their surface.
 //!
-//! ```text
-//! scans ── N_s keypoints each, farthest first in descriptor space
-//!   └─ every pair: mutual matches → compatibility graphs → dominant eigenvector
-//!        → spectral filter → confidence                      (no pose yet)
-//!        └─ union of each scan's K most confident pairs      (the edges)
-//!             └─ every edge: maximal cliques → weighted Kabsch → inlier ratio
-//!                  └─ history-aware synchronisation          → poses
-//! ```
-//!
-//! [`register`] runs all of it, [`register_pair`] the part that concerns two scans, and
-//! `describe_clouds` (feature `features`, on by default) makes [`Scan`]s of raw clouds. Any other
-//! descriptor serves as well: a [`Scan`] is points plus `f32` rows.
+//! | you have | call |
+//! |---|---|
+//! | two scans | [`register_pair`] |
+//! | many scans | [`register`] |
+//! | raw clouds | `compute_features` (feature `fpfh`, on by default), then [`register`] |
+//! | your own matches of two scans | [`register_correspondences`] |
+//! | your own matches of many pairs | [`register_matches`] |
+//! | a pose graph | [`sync::synchronize`] |
+//! | scans that come one by one, and leave | [`IncrementalRegistration`] |
+//! | a progress bar, or a stop button | an [`Observer`], for [`register_observed`] and the others |
 //!
 //! ```
 //! use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
@@ -37,49 +35,77 @@
 //! # Ok::<(), gmpcr::Error>(())
 //! ```
 //!
-//! The result carries its evidence: per edge the confidence, inlier ratio, weights and residuals,
-//! per scan the component whose frame its pose is in. Scans that overlap with no other stay in
-//! components of their own instead of being forced into place.
+//! The method is that of *Spectral Consistency-Guided Multiview Point Cloud Registration for Low-Overlap
+//! Scenes*:
 //!
-//! Where scans come one by one, a [`Registry`] keeps what is known of the earlier ones.
+//! ```text
+//! scans ── N_s keypoints each, farthest first in descriptor space
+//!   └─ every pair: mutual matches → compatibility graphs → dominant eigenvector
+//!        → spectral filter → confidence                      (no pose yet)
+//!        └─ union of each scan's K most confident pairs      (the edges)
+//!             └─ every edge: maximal cliques → weighted Kabsch → inlier ratio
+//!                  └─ history-aware synchronization          → poses
+//! ```
 //!
-//! A program with a progress bar, or one that can be told to stop, calls [`register_observed`].
+//! A [`Registration`] carries its support and diagnostics: per edge the confidence, inlier ratio, weights and
+//! residuals, per scan the component whose frame its pose is in, and [warnings](Registration::warnings) of what
+//! a person should check. Scans that overlap with no other stay in components of their own.
 //!
 //! Scans and pairs are processed in parallel on the current [rayon] pool; the same input gives the
 //! same bits with any number of threads.
 //!
 //! Each stage is a crate of its own, re-exported here: [`correspondence`], [`retrieval`],
-//! [`compatibility`], [`posegraph`], [`cliques`], [`sync`], [`geometry`], and `features`.
+//! [`compatibility`], [`posegraph`], [`cliques`], [`sync`], [`geometry`], and `features`. Cargo features:
+//! `fpfh` (on by default) makes scans of raw clouds, `io` reads and writes files of clouds, poses and pose
+//! graphs, `serde` makes results and parameters serializable.
 
-#[cfg(feature = "features")]
-mod describe;
+mod connections;
+mod edge;
 mod error;
-mod observer;
+mod incremental;
+mod known_pairs;
 mod pair;
 mod params;
+mod pipeline;
+#[cfg(feature = "io")]
+mod posed_graph;
 mod preset;
+mod progress;
 mod register;
 mod registration;
-mod registry;
+mod scan_id;
+#[cfg(feature = "fpfh")]
+mod scan_set;
+mod source;
+mod stage;
+mod warning;
 
-#[cfg(feature = "features")]
-pub use describe::{describe_cloud, describe_clouds};
+pub use edge::{Edge, UnresolvedPair};
 pub use error::Error;
 pub use gmpcr_correspondence::{Descriptors, Scan};
-pub use observer::{Observer, Stage};
-pub use pair::{PairRegistration, register_pair};
+pub use incremental::IncrementalRegistration;
+pub use pair::{
+    MAX_CORRESPONDENCES, PairRegistration, register_correspondences, register_pair,
+};
 pub use params::Params;
 pub use preset::{Preset, UnknownPreset};
-pub use register::{register, register_observed};
-pub use registration::{EdgeEvidence, Registration, StageTimes, UnresolvedPair};
-pub use registry::Registry;
+pub use progress::Observer;
+pub use register::{register, register_matches, register_observed};
+pub use registration::Registration;
+pub use scan_id::ScanId;
+#[cfg(feature = "fpfh")]
+pub use scan_set::{Cloud, ScanSet, compute_features, compute_features_with, compute_scan};
+pub use stage::{Stage, StageTimes};
+pub use warning::Warning;
 
 pub use gmpcr_cliques as cliques;
 pub use gmpcr_compatibility as compatibility;
 pub use gmpcr_correspondence as correspondence;
-#[cfg(feature = "features")]
+#[cfg(feature = "fpfh")]
 pub use gmpcr_features as features;
 pub use gmpcr_geometry as geometry;
+#[cfg(feature = "io")]
+pub use gmpcr_io as io;
 pub use gmpcr_posegraph as posegraph;
 pub use gmpcr_retrieval as retrieval;
 pub use gmpcr_sync as sync;

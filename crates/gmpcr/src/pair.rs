@@ -1,28 +1,66 @@
-use gmpcr_cliques::{Compatibility, PoseEstimate, estimate_pose};
+use gmpcr_cliques::{
+    Compatibility, PoseEstimate, estimate_pose, information_matrix, inliers,
+};
 use gmpcr_compatibility::SpectralFilter;
-use gmpcr_correspondence::{DimensionsDiffer, Keypoints, Scan, correspondences};
+use gmpcr_correspondence::{Keypoints, Scan};
 use gmpcr_geometry::PointPairs;
+use nalgebra::Matrix6;
 
+use crate::source::Source;
 use crate::{Error, Params};
 
 /// What two scans say about their relative pose.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct PairRegistration {
     /// Correspondences before spectral filtering, `C_ij` (target: scan i, source: scan j).
     pub correspondences: PointPairs,
     /// Which of them the spectral filter retained, ascending.
     pub retained: Vec<usize>,
     /// Raw geometric confidence of the pair, `ŝ_ij`: comparable between pairs under equal
-    /// parameters. Wrong pairs reach a few tens with `N_o = 100`, good ones hundreds.
+    /// parameters. Outlier pairs reach a few tens with `N_o = 100`, inlier pairs hundreds.
     pub raw_confidence: f64,
-    /// The motion from scan j's frame into scan i's, if one was found, and its support.
+    /// The transformation from scan j's frame into scan i's, if one was found, and its support.
     pub estimate: PoseEstimate,
+}
+
+impl PairRegistration {
+    /// The correspondences that the spectral filter retained.
+    pub fn retained_pairs(&self) -> PointPairs {
+        self.correspondences.select(&self.retained)
+    }
+
+    /// The retained correspondences that the transformation brings closer together than
+    /// `inlier_threshold`, in the unit of the points; none without a transformation.
+    pub fn inlier_pairs(&self, inlier_threshold: f64) -> PointPairs {
+        let retained = self.retained_pairs();
+        match &self.estimate.pose {
+            Some(pose) => {
+                retained.select(&inliers(&retained, &pose.target_from_source, inlier_threshold))
+            }
+            None => PointPairs::default(),
+        }
+    }
+
+    /// The 6×6 information of the transformation, from its inliers, with `inlier_threshold` as the standard
+    /// deviation of a coordinate: order and tangent are those of [`information_matrix`]. `None` without a
+    /// transformation.
+    pub fn information(&self, inlier_threshold: f64) -> Option<Matrix6<f64>> {
+        let pose = self.estimate.pose.as_ref()?;
+        let inliers = self.inlier_pairs(inlier_threshold);
+        Some(information_matrix(
+            &inliers,
+            &pose.target_from_source,
+            inlier_threshold,
+        ))
+    }
 }
 
 /// Registers two scans: sampling, matching, spectral filter, cliques. Only the parameters of these
 /// stages matter.
 ///
-/// That the scans do not overlap shows in a low confidence and inlier ratio or in a missing pose,
+/// That the scans do not overlap shows in a low confidence and inlier ratio or in a missing transformation,
 /// not in an error.
 ///
 /// # Errors
@@ -41,9 +79,10 @@ pub struct PairRegistration {
 /// let scan_j = Scan::new(moved, rows).unwrap();
 ///
 /// let pair = register_pair(&scan_i, &scan_j, &Params::default())?;
-/// let pose = pair.estimate.pose.unwrap();
+/// let pose = pair.estimate.pose.as_ref().unwrap();
 /// assert_eq!(pose.inlier_ratio, 1.0);
 /// assert!((pose.target_from_source.translation.z - 1.0).abs() < 1e-12);
+/// assert_eq!(pair.inlier_pairs(0.1).len(), pair.retained.len());
 /// # Ok::<(), gmpcr::Error>(())
 /// ```
 pub fn register_pair(
@@ -52,30 +91,74 @@ pub fn register_pair(
     params: &Params,
 ) -> Result<PairRegistration, Error> {
     params.validate()?;
-    let num_samples = params.correspondence.num_samples;
-    let [keypoints_i, keypoints_j] =
-        [scan_i, scan_j].map(|scan| Keypoints::sample(scan, num_samples));
-    register_keypoints(&keypoints_i, &keypoints_j, params)
-        .map_err(|differ| Error::of_pair(0, 1, differ))
+    let sample = |scan| Keypoints::sample(scan, &params.correspondence);
+    let keypoints = [sample(scan_i)?, sample(scan_j)?];
+    let correspondences = Source::Keypoints(&keypoints).correspondences(0, 1, params)?;
+    register_correspondences_unchecked(correspondences, params)
 }
 
-/// Raw confidence of a pair of sampled scans.
-pub(crate) fn raw_confidence(
-    keypoints_i: &Keypoints,
-    keypoints_j: &Keypoints,
+/// Registers two scans whose correspondences another front end found: spectral filter and cliques. Any
+/// fraction of them may be outliers.
+///
+/// All of them are used, also beyond [`max_correspondences`](gmpcr_correspondence::CorrespondenceParams):
+/// `M` of them take `O(M³)` time and `8 M²` bytes for each of about five matrices (1000: half a second, 40 MB).
+/// With many inliers a few hundred of the best are as good.
+///
+/// # Errors
+/// [`Error::Parameter`] if one is out of range, [`Error::TooManyCorrespondences`] above
+/// [`MAX_CORRESPONDENCES`].
+///
+/// ```
+/// use gmpcr::geometry::PointPairs;
+/// use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
+/// use gmpcr::{Params, register_correspondences};
+///
+/// let source: Vec<_> = (0..40)
+///     .map(|k| Point3::new((k as f64).sin(), (k as f64 * 2.3).cos(), k as f64 * 0.05))
+///     .collect();
+/// let target_from_source = Isometry3::new(Vector3::new(2.0, 0.0, 1.0), Vector3::z() * 0.5);
+/// let mut target: Vec<_> = source.iter().map(|p| target_from_source * p).collect();
+/// target[..20].reverse(); // half of the matches are wrong
+///
+/// let pair = register_correspondences(&PointPairs::new(target, source)?, &Params::default())?;
+/// let pose = pair.estimate.pose.as_ref().ok_or("no transformation")?;
+/// let error = pose.target_from_source.inverse() * target_from_source;
+/// assert!(error.translation.vector.norm() < 1e-9);
+/// let information = pair.information(0.1).ok_or("no transformation")?;
+/// assert!(information.symmetric_eigenvalues().min() > 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn register_correspondences(
+    correspondences: &PointPairs,
     params: &Params,
-) -> Result<f64, DimensionsDiffer> {
-    let (_, filter) = filtered_correspondences(keypoints_i, keypoints_j, params)?;
+) -> Result<PairRegistration, Error> {
+    params.validate()?;
+    check_number(correspondences)?;
+    register_correspondences_unchecked(correspondences.clone(), params)
+}
+
+/// Correspondences of a pair, at most: their matrices take about a gigabyte.
+pub const MAX_CORRESPONDENCES: usize = 5_000;
+
+pub(crate) fn check_number(correspondences: &PointPairs) -> Result<(), Error> {
+    match correspondences.len() {
+        0..=MAX_CORRESPONDENCES => Ok(()),
+        count => Err(Error::TooManyCorrespondences { count }),
+    }
+}
+
+/// Raw confidence of a pair, without its transformation.
+pub(crate) fn raw_confidence(correspondences: &PointPairs, params: &Params) -> Result<f64, Error> {
+    let filter = SpectralFilter::new(correspondences, &params.compatibility)?;
     Ok(filter.raw_confidence())
 }
 
-/// Confidence and motion of a pair of sampled scans.
-pub(crate) fn register_keypoints(
-    keypoints_i: &Keypoints,
-    keypoints_j: &Keypoints,
+/// As [`register_correspondences`], of parameters that are known to be in range.
+pub(crate) fn register_correspondences_unchecked(
+    correspondences: PointPairs,
     params: &Params,
-) -> Result<PairRegistration, DimensionsDiffer> {
-    let (correspondences, filter) = filtered_correspondences(keypoints_i, keypoints_j, params)?;
+) -> Result<PairRegistration, Error> {
+    let filter = SpectralFilter::new(&correspondences, &params.compatibility)?;
     let compatibility = Compatibility {
         fcg: filter.graph.fcg(),
         scg: filter.graph.scg(),
@@ -83,20 +166,9 @@ pub(crate) fn register_keypoints(
     };
     let retained = correspondences.select(&filter.retained);
     Ok(PairRegistration {
-        estimate: estimate_pose(&retained, compatibility, &params.cliques),
+        estimate: estimate_pose(&retained, compatibility, &params.cliques)?,
         raw_confidence: filter.raw_confidence(),
         correspondences,
         retained: filter.retained,
     })
-}
-
-fn filtered_correspondences(
-    keypoints_i: &Keypoints,
-    keypoints_j: &Keypoints,
-    params: &Params,
-) -> Result<(PointPairs, SpectralFilter), DimensionsDiffer> {
-    let max_correspondences = params.correspondence.max_correspondences;
-    let pairs = correspondences(keypoints_i, keypoints_j, max_correspondences)?;
-    let filter = SpectralFilter::new(&pairs, &params.compatibility);
-    Ok((pairs, filter))
 }

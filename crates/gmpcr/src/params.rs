@@ -3,9 +3,10 @@ use gmpcr_compatibility::CompatibilityParams;
 use gmpcr_correspondence::CorrespondenceParams;
 use gmpcr_posegraph::PoseGraphParams;
 use gmpcr_retrieval::RetrievalParams;
-use gmpcr_sync::{AdaptiveHistory, History, Method, SyncParams};
-
-use crate::Error;
+#[cfg(feature = "fpfh")]
+use gmpcr_features::FeatureParams;
+use gmpcr_geometry::InvalidParameter;
+use gmpcr_sync::SyncParams;
 
 /// Parameters of all stages. The default is [`Params::threedmatch`].
 ///
@@ -15,21 +16,21 @@ use crate::Error;
 /// |---|---|---|---|---|
 /// | keypoints per scan `N_s` | 200 | 240 | 200 | 400 |
 /// | correspondences per pair `N_o` | 100 | 100 | 100 | 75 |
-/// | retained share `r_s` | 0.50 | 0.65 | 0.50 | 0.25 |
-/// | neighbours per scan `K` | 6 | 8 | 8 | 4 |
+/// | retained fraction `r_s` | 0.50 | 0.65 | 0.50 | 0.25 |
+/// | neighbors per scan `K` | 6 | 8 | 8 | 4 |
 /// | cliques per pair `K_c` | 10 | 5 | 10 | 10 |
 /// | reweighting iterations `L` | 10 | 90 | 80 | 5 |
 /// | memory sensitivity `κ` | 3 | 1 | 5 | 20 |
 /// | recovery `ρ` | 0.1 | 0.1 | 0.1 | 0.5 |
 ///
 /// The paper gives no values for the others, which are the same in all presets: `τ_c = τ_in = 0.10`
-/// metres, `s_r = 5°`, `λ` in [0.1, 0.9]. Lengths are in the unit of the points; for another unit or
-/// scale see [`Params::with_tolerance`].
+/// meters, `s_r = 5°`, `λ` in [0.1, 0.9]. Lengths are in the unit of the points; for another unit or
+/// scale see [`Params::with_voxel_size`].
 ///
 /// ```
 /// use gmpcr::Params;
 ///
-/// let mut params = Params::threedlomatch().with_tolerance(0.004); // an object of 15 cm
+/// let mut params = Params::threedlomatch().with_voxel_size(0.002); // an object of 15 cm
 /// params.posegraph.neighbors = 10;
 /// assert!(params.validate().is_ok());
 /// params.compatibility.retained_fraction = 1.5;
@@ -37,7 +38,16 @@ use crate::Error;
 /// assert_eq!(error, "parameter compatibility.retained_fraction is 1.5: it must be in (0, 1]");
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Params {
+    /// Downsampling, normals and descriptors, where [`compute_features`](crate::compute_features) makes the
+    /// scans.
+    #[cfg(feature = "fpfh")]
+    pub features: FeatureParams,
     /// Sampling and matching.
     pub correspondence: CorrespondenceParams,
     /// Choice of the pairs that are scored, where scans are many.
@@ -48,7 +58,7 @@ pub struct Params {
     pub posegraph: PoseGraphParams,
     /// Relative poses.
     pub cliques: CliqueParams,
-    /// Synchronisation.
+    /// Synchronization.
     pub sync: SyncParams,
 }
 
@@ -88,133 +98,67 @@ impl Params {
         params
     }
 
-    /// The same parameters with `τ_c` and `τ_in`, the only lengths among them, set to `tolerance`.
-    /// About two voxels of the clouds that the descriptors were computed on is a good value.
-    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
-        self.compatibility.tolerance = tolerance;
-        self.cliques.inlier_threshold = tolerance;
+    /// The same parameters with all lengths in their usual ratio to a voxel size, in the unit of the points:
+    /// `τ_c = τ_in = 2 v`, and the radii of
+    /// [`FeatureParams::from_voxel_size`](gmpcr_features::FeatureParams::from_voxel_size). The presets have the
+    /// customary 5 cm of rooms in meters.
+    ///
+    /// For descriptors from elsewhere: the size of the voxels that their clouds were downsampled to.
+    pub fn with_voxel_size(mut self, voxel_size: f64) -> Self {
+        self.compatibility.tolerance = 2.0 * voxel_size;
+        self.cliques.inlier_threshold = 2.0 * voxel_size;
+        #[cfg(feature = "fpfh")]
+        {
+            let usual = FeatureParams::from_voxel_size(voxel_size);
+            self.features.voxel_size = usual.voxel_size;
+            self.features.normals.radius = usual.normals.radius;
+            self.features.fpfh.radius = usual.fpfh.radius;
+        }
+        self
+    }
+
+    /// The same parameters for points in another unit: every length times `factor`. Points times `factor`
+    /// and parameters times `factor` give the same rotations, and translations times `factor`.
+    ///
+    /// ```
+    /// use gmpcr::Params;
+    ///
+    /// let in_voxels = Params::eth().with_voxel_size(1.0);
+    /// assert_eq!(in_voxels.scaled(0.05), Params::eth());
+    /// ```
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.compatibility.tolerance *= factor;
+        self.cliques.inlier_threshold *= factor;
+        #[cfg(feature = "fpfh")]
+        {
+            self.features = self.features.scaled(factor);
+        }
         self
     }
 
     fn set_synchronization(&mut self, iterations: usize, sensitivity: f64, recovery: f64) {
         self.sync.iterations = iterations;
-        let history = AdaptiveHistory {
-            sensitivity,
-            recovery,
-            ..Default::default()
-        };
-        self.sync.method = History::Adaptive(history).into();
+        self.sync.history.sensitivity = sensitivity;
+        self.sync.history.recovery = recovery;
     }
 
     /// Checks that every parameter is in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is not, its value, and what is allowed.
-    pub fn validate(&self) -> Result<(), Error> {
-        let Self {
-            correspondence,
-            retrieval,
-            compatibility,
-            posegraph,
-            cliques,
-            sync,
-        } = self;
-        at_least(3, correspondence.num_samples, "correspondence.num_samples")?;
-        at_least(
-            3,
-            correspondence.max_correspondences,
-            "correspondence.max_correspondences",
-        )?;
-        let (per_scan, per_expansion) = (
-            retrieval.candidates_per_scan,
-            retrieval.candidates_per_expansion,
-        );
-        at_least(1, per_scan, "retrieval.candidates_per_scan")?;
-        at_least(1, per_expansion, "retrieval.candidates_per_expansion")?;
-        positive(compatibility.tolerance, "compatibility.tolerance")?;
-        let fraction = compatibility.retained_fraction;
-        let is_share = fraction > 0.0 && fraction <= 1.0;
-        check(
-            is_share,
-            fraction,
-            "compatibility.retained_fraction",
-            "in (0, 1]",
-        )?;
-        at_least(1, posegraph.neighbors, "posegraph.neighbors")?;
-        at_least(1, cliques.max_cliques, "cliques.max_cliques")?;
-        positive(cliques.inlier_threshold, "cliques.inlier_threshold")?;
-        let affinity = cliques.min_affinity;
-        check(
-            (0.0..1.0).contains(&affinity),
-            affinity,
-            "cliques.min_affinity",
-            "in [0, 1)",
-        )?;
-        at_least(1, cliques.work_budget, "cliques.work_budget")?;
-        let (iterations, allowed) = (sync.iterations, "at most 100000");
-        check(
-            iterations <= 100_000,
-            iterations as f64,
-            "sync.iterations",
-            allowed,
-        )?;
-        positive(sync.residual_scale, "sync.residual_scale")?;
-        match &sync.method {
-            Method::HistoryAware(History::Adaptive(history)) => validate_history(history),
-            _ => Ok(()),
-        }
+    /// The first that is not, by its path within these parameters, with its value and what is allowed.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        let within = |checked: Result<(), InvalidParameter>, stage: &str| {
+            checked.map_err(|error| error.within(stage))
+        };
+        #[cfg(feature = "fpfh")]
+        within(self.features.validate(), "features")?;
+        within(self.correspondence.validate(), "correspondence")?;
+        within(self.retrieval.validate(), "retrieval")?;
+        within(self.compatibility.validate(), "compatibility")?;
+        within(self.posegraph.validate(), "posegraph")?;
+        within(self.cliques.validate(), "cliques")?;
+        within(self.sync.validate(), "sync")
     }
-}
-
-fn validate_history(history: &AdaptiveHistory) -> Result<(), Error> {
-    let &AdaptiveHistory {
-        min_memory,
-        max_memory,
-        sensitivity,
-        recovery,
-    } = history;
-    let (name, allowed) = ("sync.method.max_memory", "in [0, 1)");
-    check((0.0..1.0).contains(&max_memory), max_memory, name, allowed)?;
-    let (name, allowed) = ("sync.method.min_memory", "in [0, max_memory]");
-    check(
-        (0.0..=max_memory).contains(&min_memory),
-        min_memory,
-        name,
-        allowed,
-    )?;
-    positive(sensitivity, "sync.method.sensitivity")?;
-    let is_strength = recovery.is_finite() && recovery >= 0.0;
-    check(
-        is_strength,
-        recovery,
-        "sync.method.recovery",
-        "finite and not negative",
-    )
-}
-
-fn at_least(least: usize, value: usize, name: &'static str) -> Result<(), Error> {
-    let allowed = if least == 3 {
-        "at least 3"
-    } else {
-        "at least 1"
-    };
-    check(value >= least, value as f64, name, allowed)
-}
-
-fn positive(value: f64, name: &'static str) -> Result<(), Error> {
-    let is_positive = value.is_finite() && value > 0.0;
-    check(is_positive, value, name, "finite and positive")
-}
-
-fn check(holds: bool, value: f64, name: &'static str, allowed: &'static str) -> Result<(), Error> {
-    if holds {
-        return Ok(());
-    }
-    Err(Error::Parameter {
-        name,
-        value,
-        allowed,
-    })
 }
 
 #[cfg(test)]
@@ -223,9 +167,6 @@ mod tests {
 
     /// (N_s, N_o, r_s, K, K_c, L, κ, ρ)
     fn numbers(params: &Params) -> (usize, usize, f64, usize, usize, usize, f64, f64) {
-        let Method::HistoryAware(History::Adaptive(history)) = params.sync.method else {
-            panic!("the presets have an adaptive history");
-        };
         (
             params.correspondence.num_samples,
             params.correspondence.max_correspondences,
@@ -233,8 +174,8 @@ mod tests {
             params.posegraph.neighbors,
             params.cliques.max_cliques,
             params.sync.iterations,
-            history.sensitivity,
-            history.recovery,
+            params.sync.history.sensitivity,
+            params.sync.history.recovery,
         )
     }
 
@@ -259,57 +200,48 @@ mod tests {
                 ),
                 (0.1, 0.1)
             );
-            assert!(params.validate().is_ok());
+            assert_eq!(params.clone().with_voxel_size(0.05), params);
+            assert_eq!(params.validate(), Ok(()));
         }
     }
 
     #[test]
-    fn every_parameter_out_of_range_is_named() {
-        fn history(params: &mut Params) -> &mut AdaptiveHistory {
-            match &mut params.sync.method {
-                Method::HistoryAware(History::Adaptive(history)) => history,
-                _ => panic!("the default history is adaptive"),
-            }
-        }
+    fn a_parameter_out_of_range_is_named_by_its_path() {
         type Spoil = fn(&mut Params);
-        let cases: [(&str, Spoil); 16] = [
+        let cases: [(&str, Spoil); 7] = [
             ("sync.iterations", |p| p.sync.iterations = usize::MAX),
+            ("sync.history.max_memory", |p| {
+                p.sync.history.max_memory = 1.0
+            }),
             ("correspondence.num_samples", |p| {
                 p.correspondence.num_samples = 2
             }),
-            ("correspondence.max_correspondences", |p| {
-                p.correspondence.max_correspondences = 0
-            }),
-            ("compatibility.tolerance", |p| {
-                p.compatibility.tolerance = 0.0
+            ("retrieval.candidates_per_scan", |p| {
+                p.retrieval.candidates_per_scan = 0
             }),
             ("compatibility.tolerance", |p| {
                 p.compatibility.tolerance = f64::NAN
             }),
-            ("compatibility.retained_fraction", |p| {
-                p.compatibility.retained_fraction = 0.0
-            }),
             ("posegraph.neighbors", |p| p.posegraph.neighbors = 0),
-            ("cliques.max_cliques", |p| p.cliques.max_cliques = 0),
             ("cliques.inlier_threshold", |p| {
                 p.cliques.inlier_threshold = f64::INFINITY
             }),
-            ("cliques.min_affinity", |p| p.cliques.min_affinity = 1.0),
-            ("cliques.work_budget", |p| p.cliques.work_budget = 0),
-            ("sync.residual_scale", |p| p.sync.residual_scale = -1.0),
-            ("sync.method.max_memory", |p| history(p).max_memory = 1.0),
-            ("sync.method.min_memory", |p| history(p).min_memory = 0.95),
-            ("sync.method.sensitivity", |p| history(p).sensitivity = 0.0),
-            ("sync.method.recovery", |p| history(p).recovery = -0.1),
         ];
         for (name, spoil) in cases {
             let mut params = Params::default();
             spoil(&mut params);
-            let message = params.validate().unwrap_err().to_string();
-            assert!(
-                message.starts_with(&format!("parameter {name} is ")),
-                "{message}"
-            );
+            assert_eq!(params.validate().unwrap_err().name, name);
         }
+    }
+
+    #[cfg(feature = "fpfh")]
+    #[test]
+    fn parameters_of_features_are_named_by_their_path() {
+        let mut params = Params::default();
+        params.features.normals.radius = -1.0;
+        assert_eq!(
+            params.validate().unwrap_err().name,
+            "features.normals.radius"
+        );
     }
 }

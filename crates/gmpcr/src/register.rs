@@ -1,13 +1,22 @@
+use std::collections::BTreeMap;
+
 use gmpcr_correspondence::Scan;
+use gmpcr_geometry::PointPairs;
 
-use crate::{Error, Observer, Params, Registration, Registry};
+use crate::known_pairs::KnownPairs;
+use crate::pair::check_number;
+use crate::pipeline::Pipeline;
+use crate::source::Source;
+use crate::{
+    Error, IncrementalRegistration, Observer, Params, Registration, ScanId, StageTimes,
+};
 
-/// Registers scans: one pose per scan, consistent over all of them, with the evidence.
+/// Registers scans: one pose per scan, consistent over all of them, with its support and diagnostics.
 ///
 /// The pipeline of the paper, stage by stage; each stage is a crate of its own. `N (N − 1) / 2` pairs
 /// are scored, or from [`retrieval.min_scans`](gmpcr_retrieval::RetrievalParams::min_scans) scans on `O(N)`
-/// retrieved ones; at most `N K` of them get a pose. Memory holds the keypoints, one confidence per pair
-/// and one motion per edge.
+/// retrieved ones; at most `N K` of them get a relative pose. Memory holds the keypoints, one confidence per
+/// pair and one relative pose per edge.
 ///
 /// Scans that share no reliable pair stay in components of their own; a single scan, and a scan
 /// without points, are such components. A scan with fewer points than `N_s` uses all of them, and
@@ -29,7 +38,64 @@ pub fn register_observed(
     params: &Params,
     observer: &dyn Observer,
 ) -> Result<Registration, Error> {
-    let mut registry = Registry::new(params.clone())?;
-    registry.add(scans, observer)?;
-    registry.registration(observer)
+    let mut registration = IncrementalRegistration::new(params.clone())?;
+    registration.add(scans, observer)?;
+    registration.register(observer)
+}
+
+/// Registers a set of scans from correspondences that another front end found: everything that
+/// [`register`] does after matching.
+///
+/// `matches[(i, j)]` holds the correspondences of scans `i < j < num_scans`, target scan `i`; pairs without an
+/// entry are never edges. The parameters of sampling, matching and retrieval do not matter. For the number of
+/// correspondences of a pair see [`register_correspondences`](crate::register_correspondences).
+///
+/// # Errors
+/// [`Error::NoScans`] if `num_scans` is 0, [`Error::MatchedPair`] if a pair is not of the form
+/// `i < j < num_scans`, [`Error::TooManyCorrespondences`], [`Error::Parameter`], and [`Error::Cancelled`] if
+/// the observer says so.
+///
+/// ```
+/// use std::collections::BTreeMap;
+///
+/// use gmpcr::geometry::PointPairs;
+/// use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
+/// use gmpcr::{Params, register_matches};
+///
+/// let world: Vec<Point3<f64>> = (0..30)
+///     .map(|k| f64::from(k))
+///     .map(|k| Point3::new(k.sin() * 2.0, (k * 1.7).cos() * 2.0, (k * 0.9).sin()))
+///     .collect();
+/// let pose = |k: usize| Isometry3::new(Vector3::x() * k as f64, Vector3::z() * (0.3 * k as f64));
+/// let seen = |k: usize| world.iter().map(|p| pose(k).inverse_transform_point(p)).collect();
+/// let matches = [(0, 1), (1, 2), (0, 2)]
+///     .map(|(i, j)| PointPairs::new(seen(i), seen(j)).map(|pairs| ((i, j), pairs)));
+/// let matches = matches.into_iter().collect::<Result<BTreeMap<_, _>, _>>()?;
+///
+/// let registration = register_matches(3, &matches, &Params::default(), &())?;
+/// let error = registration.world_from_scan[2].inverse() * pose(2);
+/// assert!(error.translation.vector.norm() < 1e-9 && error.rotation.angle() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn register_matches(
+    num_scans: usize,
+    matches: &BTreeMap<(usize, usize), PointPairs>,
+    params: &Params,
+    observer: &dyn Observer,
+) -> Result<Registration, Error> {
+    params.validate()?;
+    if num_scans == 0 {
+        return Err(Error::NoScans);
+    }
+    if let Some(&(i, j)) = matches.keys().find(|&&(i, j)| i >= j || j >= num_scans) {
+        return Err(Error::MatchedPair { i, j, num_scans });
+    }
+    matches.values().try_for_each(check_number)?;
+    let pipeline = Pipeline {
+        ids: &ScanId::first(num_scans),
+        source: Source::Matches(matches),
+        params,
+        observer,
+    };
+    pipeline.run(&mut KnownPairs::default(), &mut StageTimes::default())
 }

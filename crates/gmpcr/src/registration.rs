@@ -1,44 +1,122 @@
-use std::time::Duration;
-
-use gmpcr_posegraph::{Components, Connectivity, PairConfidences, PoseGraph};
-use gmpcr_sync::ComponentReport;
+use gmpcr_posegraph::{Components, Connectivity, PairConfidences, PoseEdge, PoseGraph};
+use gmpcr_sync::{ComponentReport, Synchronization};
 use nalgebra::Isometry3;
 
-use crate::Stage;
+use crate::pipeline::SelectedPair;
+use crate::{Edge, ScanId, StageTimes, UnresolvedPair};
 
-/// Poses of all scans and the evidence for them.
-#[derive(Clone, Debug)]
+/// Poses of all scans, with their support and diagnostics.
+///
+/// Scans are named by their positions `0..ids.len()`, the order in which they were given.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Registration {
+    /// The scans, by position. In a batch they are numbered `0..n`.
+    pub ids: Vec<ScanId>,
     /// `T_i`, from each scan's frame into the frame of the lowest scan of its component, which has
     /// the identity. Poses of different components do not compare.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows::list"))]
     pub world_from_scan: Vec<Isometry3<f64>>,
     /// Which scans share a frame.
     pub components: Components,
-    /// The relative poses that were synchronised.
-    pub graph: PoseGraph,
-    /// What speaks for and against each edge of `graph`, in its order.
-    pub evidence: Vec<EdgeEvidence>,
-    /// Pairs that were selected, but whose cliques determine no motion that a match supports.
+    /// The relative poses that were synchronized, ascending by their scans.
+    pub edges: Vec<Edge>,
+    /// Pairs that were selected, but whose cliques determine no relative pose that a correspondence supports.
     pub unresolved: Vec<UnresolvedPair>,
     /// Confidences of the scored pairs: all, or those that were retrieved where there are
     /// [`retrieval.min_scans`](gmpcr_retrieval::RetrievalParams::min_scans) scans or more.
     pub confidences: PairConfidences,
-    /// Connectivity of `graph`, the reference being scan 0.
+    /// Connectivity of the pose graph, the reference being the first scan.
     pub connectivity: Connectivity,
-    /// Course of the synchronisation of each component.
+    /// Course of the synchronization of each component.
     pub synchronization: Vec<ComponentReport>,
     /// Wall time of each stage.
     pub times: StageTimes,
 }
 
 impl Registration {
-    /// Motion `T_ij = T_i⁻¹ T_j` from scan j's frame into scan i's; `None` if they share no frame.
+    pub(crate) fn new(
+        ids: Vec<ScanId>,
+        selected: Vec<SelectedPair>,
+        confidences: PairConfidences,
+        synchronization: Synchronization,
+        times: StageTimes,
+    ) -> Self {
+        let is_edge = |pair: &&SelectedPair| pair.edge().is_some();
+        let (resolved, unresolved): (Vec<_>, Vec<_>) = selected.iter().partition(is_edge);
+        let reports = resolved.iter().zip(synchronization.edges);
+        let edges: Vec<Edge> = reports
+            .filter_map(|(pair, report)| Edge::new(pair, report))
+            .collect();
+        let ends: Vec<_> = edges.iter().map(|edge| (edge.i, edge.j)).collect();
+        Self {
+            connectivity: Connectivity::new(ids.len(), &ends, 0),
+            ids,
+            world_from_scan: synchronization.world_from_scan,
+            components: synchronization.components,
+            edges,
+            unresolved: unresolved.into_iter().map(UnresolvedPair::new).collect(),
+            confidences,
+            synchronization: synchronization.reports,
+            times,
+        }
+    }
+
+    /// The pose of a scan, from its frame into that of its component; `None` if it is not among
+    /// [`ids`](Self::ids).
+    pub fn pose_of(&self, scan: ScanId) -> Option<&Isometry3<f64>> {
+        let position = self.ids.binary_search(&scan).ok()?;
+        self.world_from_scan.get(position)
+    }
+
+    /// Relative pose `T_ij = T_i⁻¹ T_j` from scan j's frame into scan i's; `None` if they share no frame.
     ///
     /// # Panics
     /// If a scan does not exist.
     pub fn i_from_j(&self, i: usize, j: usize) -> Option<Isometry3<f64>> {
         let share_frame = self.components.label(i) == self.components.label(j);
         share_frame.then(|| self.world_from_scan[i].inv_mul(&self.world_from_scan[j]))
+    }
+
+    /// Whether a scan shares a frame with another one.
+    ///
+    /// # Panics
+    /// If the scan does not exist.
+    pub fn is_registered(&self, scan: usize) -> bool {
+        self.components.members()[self.components.label(scan)].len() > 1
+    }
+
+    /// The pose graph that was synchronized, with the initial weights: to be edited and
+    /// [synchronized](gmpcr_sync::synchronize) again.
+    ///
+    /// ```
+    /// use gmpcr::posegraph::PoseGraph;
+    /// use gmpcr::sync::{SyncParams, synchronize};
+    ///
+    /// # fn scans() -> Result<Vec<gmpcr::Scan>, gmpcr::Error> {
+    /// #     let rows = gmpcr::Descriptors::new((0..40).map(|k| k as f32).collect(), 1)?;
+    /// #     let points = (0..40).map(f64::from).map(|k| [k.sin(), (2.0 * k).cos(), 0.1 * k].into());
+    /// #     let scan = gmpcr::Scan::new(points.collect(), rows)?;
+    /// #     Ok(vec![scan.clone(), scan.clone(), scan])
+    /// # }
+    /// let registration = gmpcr::register(&scans()?, &gmpcr::Params::default())?;
+    /// let mut edges = registration.pose_graph().into_edges();
+    /// edges.retain(|edge| (edge.i, edge.j) != (0, 2)); // known to be wrong
+    /// let graph = PoseGraph::new(registration.ids.len(), edges)?;
+    /// let again = synchronize(&graph, &SyncParams::default())?;
+    /// assert_eq!(again.components.largest(), [0, 1, 2]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn pose_graph(&self) -> PoseGraph {
+        let edges = self.edges.iter().map(|edge| PoseEdge {
+            i: edge.i,
+            j: edge.j,
+            i_from_j: edge.i_from_j,
+            weight: edge.synchronization.initial_weight,
+        });
+        PoseGraph::new(self.ids.len(), edges.collect())
+            .expect("the edges have been a pose graph before")
     }
 
     /// The same registration with the world of one component in the frame of `reference`, whose pose
@@ -55,97 +133,26 @@ impl Registration {
         self
     }
 
-    /// Whether a scan shares a frame with another one.
+    /// The same registration where scan k has coordinates of another frame: `new_from_old[k]` maps the
+    /// coordinates that were registered to the new ones.
+    ///
+    /// The world of a component follows the coordinates of its lowest scan `r`, which keeps the identity: a pose
+    /// `T_k` becomes `N_r T_k N_k⁻¹`, a relative pose `T̂_ij` becomes `N_i T̂_ij N_j⁻¹`.
     ///
     /// # Panics
-    /// If the scan does not exist.
-    pub fn is_registered(&self, scan: usize) -> bool {
-        self.components.members()[self.components.label(scan)].len() > 1
-    }
-}
-
-/// What speaks for and against an edge of the pose graph.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EdgeEvidence {
-    /// The scan into whose frame the motion maps.
-    pub i: usize,
-    /// The scan from whose frame the motion maps; `i < j`.
-    pub j: usize,
-    /// Correspondences of the pair before spectral filtering; at most `N_o`.
-    pub num_correspondences: usize,
-    /// Normalised confidence `s_ij`.
-    pub confidence: f64,
-    /// Share of the retained correspondences that the motion explains.
-    pub inlier_ratio: f64,
-    /// Nodes of the clique that generated the motion.
-    pub clique_size: usize,
-    /// Its mean second-order affinity.
-    pub mean_affinity: f64,
-    /// Maximal cliques that were seen.
-    pub cliques_seen: usize,
-    /// Whether the work budget ended the enumeration early.
-    pub budget_exhausted: bool,
-    /// Weight `w⁰ = s_ij · IR` before the synchronisation.
-    pub initial_weight: f64,
-    /// Weight in the final solution.
-    pub final_weight: f64,
-    /// Angle (radians) between the measured and the final relative rotation; `None` where the edge,
-    /// being without weight, joins two components.
-    pub rotation_residual: Option<f64>,
-    /// Distance between the measured and the final relative translation, in the unit of the points.
-    pub translation_residual: Option<f64>,
-}
-
-/// A selected pair without a motion: no maximal clique of three correspondences determines one that
-/// at least one correspondence supports.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UnresolvedPair {
-    /// The lower scan index.
-    pub i: usize,
-    /// The higher scan index.
-    pub j: usize,
-    /// Normalised confidence `s_ij`.
-    pub confidence: f64,
-    /// Maximal cliques that were seen, all of them degenerate or without support.
-    pub cliques_seen: usize,
-    /// Whether the work budget ended the enumeration early.
-    pub budget_exhausted: bool,
-}
-
-/// Wall time of each stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct StageTimes {
-    /// Farthest-point sampling of all scans.
-    pub sampling: Duration,
-    /// Retrieval, matching and scoring of pairs.
-    pub scoring: Duration,
-    /// Choice of the edges.
-    pub selection: Duration,
-    /// Relative poses of the selected pairs.
-    pub pose_estimation: Duration,
-    /// Synchronisation.
-    pub synchronization: Duration,
-}
-
-impl StageTimes {
-    /// Sum of all stages.
-    pub fn total(&self) -> Duration {
-        self.stages().iter().map(|(_, time)| *time).sum()
-    }
-
-    /// The time of a stage.
-    pub fn of(&self, stage: Stage) -> Duration {
-        match stage {
-            Stage::Sampling => self.sampling,
-            Stage::Scoring => self.scoring,
-            Stage::Selection => self.selection,
-            Stage::PoseEstimation => self.pose_estimation,
-            Stage::Synchronization => self.synchronization,
+    /// If there is not one transformation per scan.
+    pub fn with_scan_frames(mut self, new_from_old: &[Isometry3<f64>]) -> Self {
+        assert_eq!(new_from_old.len(), self.ids.len(), "one frame per scan");
+        let changed = |i: usize, i_from_j: &Isometry3<f64>, j: usize| {
+            new_from_old[i] * i_from_j * new_from_old[j].inverse()
+        };
+        for (k, pose) in self.world_from_scan.iter_mut().enumerate() {
+            let reference = self.components.members()[self.components.label(k)][0];
+            *pose = changed(reference, pose, k);
         }
-    }
-
-    /// The time of each stage, in order.
-    pub fn stages(&self) -> [(Stage, Duration); 5] {
-        Stage::ALL.map(|stage| (stage, self.of(stage)))
+        for edge in &mut self.edges {
+            edge.i_from_j = changed(edge.i, &edge.i_from_j, edge.j);
+        }
+        self
     }
 }

@@ -6,10 +6,11 @@ use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
 use std::sync::Mutex;
 use std::time::Duration;
 
+use gmpcr::correspondence::{Keypoints, correspondences};
 use gmpcr::retrieval::RetrievalParams;
 use gmpcr::{
-    Descriptors, Error, Observer, Params, Registration, Registry, Scan, Stage, register,
-    register_observed, register_pair,
+    Descriptors, Error, IncrementalRegistration, Observer, Params, Registration, Scan, Stage, register,
+    register_correspondences, register_matches, register_observed, register_pair,
 };
 
 /// A fixed number in (−1, 1) that looks random.
@@ -90,8 +91,8 @@ fn views_of_one_cloud_are_registered() {
     let registration = register(&VIEWS.scans(), &Params::default()).unwrap();
     assert!(registration.connectivity.is_connected);
     for scan in 0..VIEWS.num_scans {
-        let truth = VIEWS.pose(0).inv_mul(&VIEWS.pose(scan));
-        let error = registration.i_from_j(0, scan).unwrap().inv_mul(&truth);
+        let ground_truth = VIEWS.pose(0).inv_mul(&VIEWS.pose(scan));
+        let error = registration.i_from_j(0, scan).unwrap().inv_mul(&ground_truth);
         assert!(
             error.translation.vector.norm() < 0.03,
             "scan {scan}: {error}"
@@ -109,8 +110,8 @@ fn exact_views_give_exact_poses() {
     };
     let registration = register(&views.scans(), &Params::default()).unwrap();
     for scan in 0..views.num_scans {
-        let truth = views.pose(0).inv_mul(&views.pose(scan));
-        assert!(difference(&registration.world_from_scan[scan], &truth) < 1e-9);
+        let ground_truth = views.pose(0).inv_mul(&views.pose(scan));
+        assert!(difference(&registration.world_from_scan[scan], &ground_truth) < 1e-9);
     }
 }
 
@@ -123,8 +124,7 @@ fn one_thread_and_many_give_the_same_bits() {
             let many = with_threads(threads, &scans, &params);
             assert_eq!(one.world_from_scan, many.world_from_scan);
             assert_eq!(one.confidences, many.confidences);
-            assert_eq!(one.graph, many.graph);
-            assert_eq!(one.evidence, many.evidence);
+            assert_eq!(one.edges, many.edges);
             assert_eq!(one.synchronization, many.synchronization);
         }
     }
@@ -144,22 +144,22 @@ fn permuting_the_scans_permutes_the_poses() {
 }
 
 #[test]
-fn moving_a_scan_moves_its_pose_and_keeps_the_evidence() {
+fn moving_a_scan_moves_its_pose_and_keeps_the_support() {
     let scans = VIEWS.scans();
-    let motion = Isometry3::new(Vector3::new(3.0, -1.0, 2.0), Vector3::new(0.5, 1.5, -1.0));
+    let transformation = Isometry3::new(Vector3::new(3.0, -1.0, 2.0), Vector3::new(0.5, 1.5, -1.0));
     let mut moved = scans.clone();
-    let points = scans[3].points().iter().map(|p| motion * p).collect();
+    let points = scans[3].points().iter().map(|p| transformation * p).collect();
     moved[3] = Scan::new(points, scans[3].descriptors().clone()).unwrap();
     let [a, b] = [scans, moved].map(|scans| register(&scans, &Params::default()).unwrap());
     for scan in 0..VIEWS.num_scans {
         let expected = if scan == 3 {
-            a.world_from_scan[3] * motion.inverse()
+            a.world_from_scan[3] * transformation.inverse()
         } else {
             a.world_from_scan[scan]
         };
         assert_same_up_to_origin(&b.world_from_scan[scan], &expected);
     }
-    for (a, b) in a.evidence.iter().zip(&b.evidence) {
+    for (a, b) in a.edges.iter().zip(&b.edges) {
         assert!((a.confidence - b.confidence).abs() < 1e-9);
         assert_eq!((a.i, a.j, a.inlier_ratio), (b.i, b.j, b.inlier_ratio));
     }
@@ -174,8 +174,8 @@ fn a_pair_is_the_inverse_of_the_swapped_pair() {
     let [forward, backward] = [forward, backward].map(|pair| pair.estimate.pose.unwrap());
     let product = forward.target_from_source * backward.target_from_source;
     assert!(difference(&product, &Isometry3::identity()) < 1e-9);
-    let truth = VIEWS.pose(0).inv_mul(&VIEWS.pose(1));
-    assert!(difference(&forward.target_from_source, &truth) < 0.05);
+    let ground_truth = VIEWS.pose(0).inv_mul(&VIEWS.pose(1));
+    assert!(difference(&forward.target_from_source, &ground_truth) < 0.05);
 }
 
 #[test]
@@ -184,12 +184,12 @@ fn the_pair_and_the_whole_agree() {
     let pair = register_pair(&a, &b, &Params::default()).unwrap();
     let whole = register(&[a, b], &Params::default()).unwrap();
     let pose = pair.estimate.pose.unwrap();
-    assert_eq!(whole.graph.edges()[0].i_from_j, pose.target_from_source);
+    assert_eq!(whole.edges[0].i_from_j, pose.target_from_source);
     assert_eq!(
         whole.confidences.pairs()[0].raw_confidence,
         pair.raw_confidence
     );
-    assert_eq!(whole.evidence[0].confidence, 1.0);
+    assert_eq!(whole.edges[0].confidence, 1.0);
     assert!(difference(&whole.world_from_scan[1], &pose.target_from_source) < 1e-9);
 }
 
@@ -224,7 +224,7 @@ fn no_scans_are_an_error_and_one_scan_is_its_own_frame() {
     ));
     let registration = register(&[VIEWS.scan(0)], &Params::default()).unwrap();
     assert_eq!(registration.world_from_scan, [Isometry3::identity()]);
-    assert!(registration.evidence.is_empty() && !registration.is_registered(0));
+    assert!(registration.edges.is_empty() && !registration.is_registered(0));
 }
 
 #[test]
@@ -273,7 +273,7 @@ fn more_neighbors_than_scans_select_every_pair_of_positive_confidence() {
         .iter()
         .filter(|pair| pair.raw_confidence > 0.0);
     assert_eq!(
-        registration.evidence.len() + registration.unresolved.len(),
+        registration.edges.len() + registration.unresolved.len(),
         positive.count()
     );
 }
@@ -287,7 +287,7 @@ fn equal_points_are_reported_as_unresolved() {
     );
     let scan = scan.unwrap();
     let registration = register(&[scan.clone(), scan], &Params::default()).unwrap();
-    assert!(registration.evidence.is_empty());
+    assert!(registration.edges.is_empty());
     assert_eq!(registration.unresolved.len(), 1);
     assert_eq!(registration.unresolved[0].cliques_seen, 1);
     assert_eq!(registration.components.members().len(), 2);
@@ -301,7 +301,7 @@ fn equal_descriptors_match_too_little_for_an_edge() {
         *scan = Scan::new(scan.points().to_vec(), rows).unwrap();
     }
     let registration = register(&scans, &Params::default()).unwrap();
-    assert!(registration.evidence.is_empty() && registration.unresolved.is_empty());
+    assert!(registration.edges.is_empty() && registration.unresolved.is_empty());
     assert_eq!(registration.components.members().len(), scans.len());
 }
 
@@ -351,12 +351,12 @@ fn the_unit_of_the_points_does_not_matter() {
             let points = scan.points().iter().map(|p| p * scale).collect();
             *scan = Scan::new(points, scan.descriptors().clone()).unwrap();
         }
-        let params = Params::default().with_tolerance(0.1 * scale);
+        let params = Params::default().scaled(scale);
         let scaled = register(&scans, &params).unwrap();
         for (a, b) in plain.world_from_scan.iter().zip(&scaled.world_from_scan) {
             assert!(a.rotation.angle_to(&b.rotation) < 1e-6, "scale {scale}");
-            let shift = a.translation.vector - b.translation.vector / scale;
-            assert!(shift.norm() < 1e-6, "scale {scale}: {shift}");
+            let offset = a.translation.vector - b.translation.vector / scale;
+            assert!(offset.norm() < 1e-6, "scale {scale}: {offset}");
         }
         // With a tolerance that does not fit there is less to find, but nothing fails.
         let unfit = register(&scans, &Params::default()).unwrap();
@@ -378,11 +378,11 @@ fn huge_coordinates_of_opposite_sign_give_finite_poses() {
 }
 
 #[test]
-fn motions_without_support_are_unresolved_and_join_nothing() {
+fn relative_poses_without_support_are_unresolved_and_connect_nothing() {
     let mut params = Params::default();
     params.cliques.inlier_threshold = 1e-12;
     let registration = register(&VIEWS.scans()[..3], &params).unwrap();
-    assert!(registration.evidence.is_empty() && !registration.unresolved.is_empty());
+    assert!(registration.edges.is_empty() && !registration.unresolved.is_empty());
     assert!(!registration.connectivity.is_connected);
     assert_eq!(registration.components.members().len(), 3);
 }
@@ -434,9 +434,9 @@ fn an_observer_sees_every_item_and_changes_nothing() {
     assert_eq!(observed.world_from_scan, unseen.world_from_scan);
 
     let stages = witness.stages.into_inner().unwrap();
-    let num_selected = unseen.evidence.len() + unseen.unresolved.len();
+    let num_selected = unseen.edges.len() + unseen.unresolved.len();
     let items = [9, 36, 1, num_selected, 1];
-    let expected = Stage::ALL
+    let expected = Stage::ALL[2..]
         .iter()
         .zip(items)
         .map(|(&stage, n)| (stage, n, n));
@@ -467,8 +467,7 @@ fn a_cancelled_registration_names_the_stage() {
 fn assert_same(a: &Registration, b: &Registration) {
     assert_eq!(a.world_from_scan, b.world_from_scan);
     assert_eq!(a.components, b.components);
-    assert_eq!(a.graph, b.graph);
-    assert_eq!(a.evidence, b.evidence);
+    assert_eq!(a.edges, b.edges);
     assert_eq!(a.unresolved, b.unresolved);
     assert_eq!(a.confidences, b.confidences);
     assert_eq!(a.synchronization, b.synchronization);
@@ -494,44 +493,45 @@ fn scans_that_come_and_go_have_the_pairs_retrieved_that_they_would_have_had_at_o
 
 fn come_and_go(params: Params) {
     let all = VIEWS.scans();
-    let mut registry = Registry::new(params.clone()).unwrap();
+    let mut incremental = IncrementalRegistration::new(params.clone()).unwrap();
     let mut scans = Vec::new();
     for added in [&all[..4], &all[4..5], &[], &all[5..]] {
-        registry.add(added, &()).unwrap();
+        incremental.add(added, &()).unwrap();
         scans.extend_from_slice(added);
         let (grown, batch) = (
-            registry.registration(&()).unwrap(),
+            incremental.register(&()).unwrap(),
             register(&scans, &params).unwrap(),
         );
         assert_same(&grown, &batch);
     }
     for removed in [8, 0, 3] {
-        registry.remove(removed);
+        let id = incremental.ids()[removed];
+        assert!(incremental.remove(id) && !incremental.remove(id));
         scans.remove(removed);
         let (shrunk, batch) = (
-            registry.registration(&()).unwrap(),
+            incremental.register(&()).unwrap(),
             register(&scans, &params).unwrap(),
         );
         assert_same(&shrunk, &batch);
     }
-    registry.add(&all[..1], &()).unwrap();
+    incremental.add(&all[..1], &()).unwrap();
     scans.push(all[0].clone());
     assert_same(
-        &registry.registration(&()).unwrap(),
+        &incremental.register(&()).unwrap(),
         &register(&scans, &params).unwrap(),
     );
-    assert_eq!(registry.len(), 7);
+    assert_eq!(incremental.ids().len(), 7);
 }
 
 #[test]
 fn a_scan_more_has_its_own_pairs_scored_only() {
     let scans = VIEWS.scans();
-    let mut registry = Registry::new(Params::default()).unwrap();
-    registry.add(&scans[..8], &()).unwrap();
-    registry.registration(&()).unwrap();
+    let mut incremental = IncrementalRegistration::new(Params::default()).unwrap();
+    incremental.add(&scans[..8], &()).unwrap();
+    incremental.register(&()).unwrap();
     let witness = Witness::default();
-    registry.add(&scans[8..], &witness).unwrap();
-    registry.registration(&witness).unwrap();
+    incremental.add(&scans[8..], &witness).unwrap();
+    incremental.register(&witness).unwrap();
     let stages = witness.stages.into_inner().unwrap();
     assert_eq!(
         stages[..2],
@@ -559,25 +559,25 @@ fn retrieved_pairs_are_scored_round_by_round_and_others_never() {
     assert_eq!(rounds.map(|(_, begun, _)| begun).sum::<usize>(), num_scored);
     assert!(registration.connectivity.is_connected);
     for (scan, pose) in registration.world_from_scan.iter().enumerate() {
-        let truth = VIEWS.pose(0).inverse() * VIEWS.pose(scan);
-        assert!(difference(pose, &truth) < 0.05, "scan {scan}: {pose}");
+        let ground_truth = VIEWS.pose(0).inverse() * VIEWS.pose(scan);
+        assert!(difference(pose, &ground_truth) < 0.05, "scan {scan}: {pose}");
     }
 }
 
 #[test]
-fn what_cannot_be_added_leaves_a_registry_as_it_was() {
+fn what_cannot_be_added_changes_nothing() {
     let scans = VIEWS.scans();
-    let mut registry = Registry::new(Params::default()).unwrap();
-    assert!(matches!(registry.registration(&()), Err(Error::NoScans)));
-    registry.add(&scans[..3], &()).unwrap();
-    let before = registry.registration(&()).unwrap();
+    let mut incremental = IncrementalRegistration::new(Params::default()).unwrap();
+    assert!(matches!(incremental.register(&()), Err(Error::NoScans)));
+    incremental.add(&scans[..3], &()).unwrap();
+    let before = incremental.register(&()).unwrap();
 
     let other = Scan::new(
         vec![Point3::origin()],
         Descriptors::new(vec![0.0; 3], 3).unwrap(),
     )
     .unwrap();
-    let outcome = registry.add(&[other], &());
+    let outcome = incremental.add(&[other], &());
     assert!(matches!(
         outcome,
         Err(Error::DimensionsDiffer {
@@ -591,21 +591,143 @@ fn what_cannot_be_added_leaves_a_registry_as_it_was() {
         patience: Some(patience),
         ..Witness::default()
     };
-    let outcome = registry.add(&scans[3..6], &impatient(0));
+    let outcome = incremental.add(&scans[3..6], &impatient(0));
     assert!(matches!(outcome, Err(Error::Cancelled { .. })));
-    assert_eq!(registry.len(), 3);
-    assert_same(&registry.registration(&()).unwrap(), &before);
+    assert_eq!(incremental.ids().len(), 3);
+    assert_same(&incremental.register(&()).unwrap(), &before);
 
-    registry.add(&scans[3..6], &()).unwrap();
+    incremental.add(&scans[3..6], &()).unwrap();
     for patience in [0, 12, 0] {
-        let outcome = registry.registration(&impatient(patience));
+        let outcome = incremental.register(&impatient(patience));
         assert!(matches!(outcome, Err(Error::Cancelled { .. })));
     }
-    let registration = registry.registration(&()).unwrap();
+    let registration = incremental.register(&()).unwrap();
     // The scores were kept, and so was the time that they took.
-    assert!(registration.times.scoring > Duration::ZERO);
+    assert!(registration.times.of(Stage::Scoring) > Duration::ZERO);
     assert_same(
         &registration,
         &register(&scans[..6], &Params::default()).unwrap(),
     );
+}
+
+#[test]
+fn ids_survive_the_removal_of_other_scans() {
+    let scans = VIEWS.scans();
+    let mut incremental = IncrementalRegistration::new(Params::default()).unwrap();
+    let ids = incremental.add(&scans, &()).unwrap();
+    let before = incremental.register(&()).unwrap();
+    assert_eq!(before.ids, ids);
+    incremental.remove(ids[0]);
+    let after = incremental.register(&()).unwrap();
+    assert_eq!(after.ids, ids[1..]);
+    // The frame is that of the first scan that is left.
+    let expected = before.i_from_j(1, 5).unwrap();
+    assert_same_up_to_origin(after.pose_of(ids[5]).unwrap(), &expected);
+    assert_eq!(after.pose_of(ids[0]), None);
+    // A new scan never gets the id of a removed one.
+    incremental.remove(ids[8]);
+    let new = incremental.add(&scans[..1], &()).unwrap();
+    assert!(!ids.contains(&new[0]));
+    assert!(matches!(
+        incremental.pair(ids[0], ids[1]),
+        Err(Error::UnknownScan { scan }) if scan == ids[0]
+    ));
+    let pair = incremental.pair(ids[1], ids[2]).unwrap();
+    assert_eq!(pair, register_pair(&scans[1], &scans[2], &Params::default()).unwrap());
+}
+
+#[test]
+fn given_correspondences_are_registered_like_those_of_descriptors() {
+    let (scans, params) = (VIEWS.scans(), Params::default());
+    let sample = |scan| Keypoints::sample(scan, &params.correspondence).unwrap();
+    let keypoints: Vec<_> = scans.iter().map(sample).collect();
+    let matches = (0..scans.len()).flat_map(|i| (i + 1..VIEWS.num_scans).map(move |j| (i, j)));
+    let matches = matches.map(|(i, j)| {
+        let pairs = correspondences(&keypoints[i], &keypoints[j], &params.correspondence);
+        ((i, j), pairs.unwrap())
+    });
+    let matches = matches.collect();
+    let given = register_matches(scans.len(), &matches, &params, &()).unwrap();
+    assert_same(&given, &register(&scans, &params).unwrap());
+
+    let pair = register_correspondences(&matches[&(0, 1)], &params).unwrap();
+    assert_eq!(pair, register_pair(&scans[0], &scans[1], &params).unwrap());
+}
+
+#[test]
+fn correspondences_that_cannot_be_are_an_error() {
+    let points = vec![Point3::origin(); gmpcr::MAX_CORRESPONDENCES + 1];
+    let many = gmpcr::geometry::PointPairs::new(points.clone(), points).unwrap();
+    let params = Params::default();
+    let message = register_correspondences(&many, &params).unwrap_err().to_string();
+    assert!(message.starts_with("5001 correspondences of a pair: at most 5000"), "{message}");
+    let outcome = |i, j| {
+        let matches = [((i, j), Default::default())].into();
+        register_matches(3, &matches, &params, &()).unwrap_err().to_string()
+    };
+    let reason = "a pair must have i < j < 3";
+    for (i, j) in [(1, 1), (2, 1), (0, 3)] {
+        assert_eq!(outcome(i, j), format!("correspondences of scans ({i}, {j}): {reason}"));
+    }
+    assert!(matches!(
+        register_matches(0, &Default::default(), &params, &()),
+        Err(Error::NoScans)
+    ));
+    let nothing = register_matches(2, &Default::default(), &params, &()).unwrap();
+    assert_eq!(nothing.components.members().len(), 2);
+}
+
+#[test]
+fn other_coordinates_of_the_scans_change_the_poses_alike() {
+    let registration = register(&VIEWS.scans(), &Params::default()).unwrap();
+    let frame = |scan: usize| Isometry3::new(Vector3::new(5e5, 1.0, scan as f64), Vector3::z() * 0.1);
+    let new_from_old: Vec<_> = (0..VIEWS.num_scans).map(frame).collect();
+    let moved = registration.clone().with_scan_frames(&new_from_old);
+    let same = registration.clone().with_scan_frames(&vec![Isometry3::identity(); VIEWS.num_scans]);
+    assert_same(&same, &registration);
+    assert!(difference(&moved.world_from_scan[0], &Isometry3::identity()) < 1e-9);
+    for (edge, before) in moved.edges.iter().zip(&registration.edges) {
+        let (i, j) = (edge.i, edge.j);
+        let predicted = moved.i_from_j(i, j).unwrap() * edge.i_from_j.inverse();
+        let expected = registration.i_from_j(i, j).unwrap() * before.i_from_j.inverse();
+        assert!(predicted.rotation.angle_to(&expected.rotation) < 1e-9);
+    }
+    let point = VIEWS.scan(4).points()[0];
+    let world = |registration: &Registration, point| registration.world_from_scan[4] * point;
+    let old = new_from_old[0] * world(&registration, point);
+    assert!((world(&moved, new_from_old[4] * point) - old).norm() < 1e-6);
+}
+
+#[test]
+fn results_and_parameters_travel_between_threads() {
+    fn travels<T: Send + Sync + std::fmt::Debug>() {}
+    travels::<Registration>();
+    travels::<IncrementalRegistration>();
+    travels::<gmpcr::PairRegistration>();
+    travels::<gmpcr::Warning>();
+    travels::<Scan>();
+    travels::<Params>();
+    travels::<Error>();
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn results_and_parameters_come_back_from_files() {
+    let registration = register(&VIEWS.scans(), &Params::default()).unwrap();
+    let text = serde_json::to_string(&registration).unwrap();
+    let read: Registration = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.ids, registration.ids);
+    assert_eq!(read.components, registration.components);
+    for (a, b) in read.world_from_scan.iter().zip(&registration.world_from_scan) {
+        assert!(difference(a, b) < 1e-14);
+    }
+    for (a, b) in read.edges.iter().zip(&registration.edges) {
+        assert_eq!(a.synchronization, b.synchronization);
+    }
+    let params = Params::threedlomatch();
+    let text = serde_json::to_string(&params).unwrap();
+    assert_eq!(serde_json::from_str::<Params>(&text).unwrap(), params);
+    let partial: Params = serde_json::from_str(r#"{ "posegraph": { "neighbors": 9 } }"#).unwrap();
+    assert_eq!(partial.posegraph.neighbors, 9);
+    assert!(serde_json::from_str::<Params>(r#"{ "posegraf": {} }"#).is_err());
 }

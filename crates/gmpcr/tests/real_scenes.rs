@@ -44,8 +44,8 @@ fn rows(value: &Value) -> Matrix3x4<f64> {
     Matrix3x4::from_row_slice(&entries)
 }
 
-fn difference(motion: &Isometry3<f64>, expected: &Value) -> f64 {
-    let matrix = motion.to_matrix();
+fn difference(transformation: &Isometry3<f64>, expected: &Value) -> f64 {
+    let matrix = transformation.to_matrix();
     (matrix.fixed_rows::<3>(0) - rows(expected)).amax()
 }
 
@@ -54,7 +54,7 @@ fn difference(motion: &Isometry3<f64>, expected: &Value) -> f64 {
 struct Agreement {
     confidence: f64,
     inlier_ratio: f64,
-    motion: f64,
+    transformation: f64,
     initial_weight: f64,
     final_weight: f64,
     pose: f64,
@@ -75,31 +75,31 @@ fn agreement(registration: &Registration, expected: &Value) -> Agreement {
         keep(&mut found.confidence, error / reference);
     }
     let edges = expected["edges"].as_array().unwrap();
-    assert_eq!(registration.evidence.len(), edges.len());
+    assert_eq!(registration.edges.len(), edges.len());
     for (k, edge) in edges.iter().enumerate() {
-        let evidence = &registration.evidence[k];
+        let found_edge = &registration.edges[k];
         assert_eq!(
-            (evidence.i as f64, evidence.j as f64),
+            (found_edge.i as f64, found_edge.j as f64),
             (number(&edge["i"]), number(&edge["j"]))
         );
         assert_eq!(
-            evidence.num_correspondences as f64,
+            found_edge.num_correspondences as f64,
             number(&edge["n_correspondences"])
         );
-        let motion = difference(&registration.graph.edges()[k].i_from_j, &edge["relative"]);
-        keep(&mut found.motion, motion);
+        let transformation = difference(&found_edge.i_from_j, &edge["relative"]);
+        keep(&mut found.transformation, transformation);
         keep(
             &mut found.inlier_ratio,
-            (evidence.inlier_ratio - number(&edge["inlier_ratio"])).abs(),
+            (found_edge.inlier_ratio - number(&edge["inlier_ratio"])).abs(),
         );
         let error = |weight: f64, key: &str| (weight - number(&edge[key])).abs();
         keep(
             &mut found.initial_weight,
-            error(evidence.initial_weight, "initial_weight"),
+            error(found_edge.synchronization.initial_weight, "initial_weight"),
         );
         keep(
             &mut found.final_weight,
-            error(evidence.final_weight, "final_weight"),
+            error(found_edge.synchronization.final_weight, "final_weight"),
         );
     }
     let poses = expected["poses"].as_array().unwrap();
@@ -129,7 +129,7 @@ fn check(scene: &str) {
     let found = agreement(&registration, &expected);
     assert!(found.confidence < 1e-6, "{found:?}");
     assert!(found.inlier_ratio < 1e-9, "{found:?}");
-    assert!(found.motion < 1e-6 && found.pose < 1e-6, "{found:?}");
+    assert!(found.transformation < 1e-6 && found.pose < 1e-6, "{found:?}");
     assert!(
         found.initial_weight < 1e-9 && found.final_weight < 1e-9,
         "{found:?}"

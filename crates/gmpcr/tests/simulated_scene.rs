@@ -1,9 +1,9 @@
-//! Simulated depth-camera scans of furnished rooms, from raw clouds to poses against the truth.
-#![cfg(feature = "features")]
+//! Simulated depth-camera scans of furnished rooms, from raw clouds to poses against the ground truth.
+#![cfg(feature = "fpfh")]
 #![allow(clippy::unwrap_used)]
 
 use gmpcr::features::FeatureParams;
-use gmpcr::{Params, describe_clouds, register};
+use gmpcr::{Cloud, Params, compute_features_with, register};
 use gmpcr_eval::{PairErrors, WorldPoses};
 use gmpcr_sim::{SimParams, overlap_matrix, simulate};
 
@@ -17,8 +17,10 @@ fn overlapping_scans_of_furnished_rooms_are_registered() {
             ..SimParams::default()
         };
         let scans = simulate(&params).unwrap();
-        let described = describe_clouds(&scans.clouds, &FeatureParams::default()).unwrap();
-        let registration = register(&described, &Params::threedmatch()).unwrap();
+        let clouds = scans.clouds.iter().cloned().map(|points| Cloud { points, viewpoint: None });
+        let in_voxels = FeatureParams::from_voxel_size(1.0);
+        let set = compute_features_with(clouds.collect(), Some(0.05), &in_voxels, &()).unwrap();
+        let registration = register(&set.scans, &Params::threedmatch()).unwrap();
 
         let poses = registration
             .world_from_scan

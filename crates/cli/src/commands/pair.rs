@@ -1,44 +1,57 @@
-//! `gmpcr pair`: the motion between two scans, and the evidence for it.
+//! `gmpcr pair`: the transformation between two scans, and its support.
 
 use std::fmt::Write;
 
+use gmpcr::geometry::matrix_rows::rows;
 use gmpcr::nalgebra::Isometry3;
 use gmpcr::{PairRegistration, register_pair};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::arguments::PairArguments;
 use crate::config::Config;
-use crate::described::DescribedScans;
-use crate::georeference::between_files;
+use crate::input::Input;
 use crate::outcome::{Answer, Failure};
 use crate::progress::Progress;
-use crate::result::rows;
-use crate::scans::files_of;
+use crate::scan_files::files_of;
 use crate::table::significant;
 
 pub fn run(arguments: &PairArguments, progress: &Progress) -> Result<Answer, Failure> {
     let config = Config::new(&arguments.tuning)?;
     let files = [arguments.target.clone(), arguments.source.clone()];
-    let input = DescribedScans::by_fpfh(&files_of(&files)?, &config, progress)?;
+    let input = Input::with_fpfh(&files_of(&files)?, &config, progress)?;
     progress.finish();
-    if let Some(problem) = input.clouds.iter().find_map(|cloud| cloud.problem.as_ref()) {
+    if let Some(problem) = input.files.iter().find_map(|file| file.problem.as_ref()) {
         return Err(problem.as_str().into());
     }
-    let ([target, source], [cloud_i, cloud_j]) = (input.scans.as_slice(), input.clouds.as_slice())
-    else {
+    let [target, source] = input.set.scans.as_slice() else {
         return Err(format!(
             "{} scans are in the two files: one in each is needed",
-            input.scans.len()
+            input.files.len()
         )
         .into());
     };
-    let pair = register_pair(target, source, &config.params(input.voxel.size))?;
+    let pair = register_pair(target, source, &config.params(input.set.voxel_size))?;
     let pose = pair.estimate.pose.as_ref();
-    let motion = pose.map(|pose| between_files(cloud_i, &pose.target_from_source, cloud_j));
-    let json = json!({
-        "target": cloud_i.name,
-        "source": cloud_j.name,
-        "target_from_source": motion.as_ref().map(rows),
+    let target_from_source =
+        pose.map(|pose| input.set.between_clouds(0, &pose.target_from_source, 1));
+    Ok(Answer {
+        text: text(&pair, target_from_source.as_ref(), &input),
+        json: Some(json(&pair, target_from_source.as_ref(), &input, &config)),
+        is_complete: target_from_source.is_some(),
+    })
+}
+
+fn json(
+    pair: &PairRegistration,
+    target_from_source: Option<&Isometry3<f64>>,
+    input: &Input,
+    config: &Config,
+) -> Value {
+    let pose = pair.estimate.pose.as_ref();
+    json!({
+        "target": input.name(0),
+        "source": input.name(1),
+        "target_from_source": target_from_source.map(rows),
         "raw_confidence": pair.raw_confidence,
         "correspondences": pair.correspondences.len(),
         "retained": pair.retained.len(),
@@ -47,49 +60,21 @@ pub fn run(arguments: &PairArguments, progress: &Progress) -> Result<Answer, Fai
         "mean_affinity": pose.map(|pose| pose.clique.mean_affinity),
         "cliques_seen": pair.estimate.cliques_seen,
         "budget_exhausted": pair.estimate.budget_exhausted,
-        "voxel": input.voxel.size,
+        "voxel_size": input.set.voxel_size,
         "parameters": config.to_json(),
-    });
-    Ok(Answer {
-        text: text(&pair, motion.as_ref(), &input),
-        json: Some(json),
-        is_complete: motion.is_some(),
     })
 }
 
 fn text(
     pair: &PairRegistration,
-    motion: Option<&Isometry3<f64>>,
-    input: &DescribedScans,
+    target_from_source: Option<&Isometry3<f64>>,
+    input: &Input,
 ) -> String {
-    let [target, source] = [&input.clouds[0].name, &input.clouds[1].name];
-    let mut text = String::new();
-    match motion {
-        Some(motion) => {
-            let _ = writeln!(text, "from the frame of {source} into that of {target}");
-            for row in rows(motion).chunks(4) {
-                for value in row {
-                    let _ = write!(text, "{value:>22.15}");
-                }
-                text.push('\n');
-            }
-            let [turn, shift] = [
-                motion.rotation.angle().to_degrees(),
-                motion.translation.vector.norm(),
-            ];
-            let _ = writeln!(
-                text,
-                "a turn of {turn:.2}° and a shift of {}\n",
-                significant(shift)
-            );
-        }
-        None => {
-            let _ = writeln!(
-                text,
-                "no motion found: {source} and {target} seem to share no surface\n"
-            );
-        }
-    }
+    let [target, source] = [0, 1].map(|scan| input.name(scan));
+    let mut text = match target_from_source {
+        Some(found) => transformation(found, target, source),
+        None => format!("no transformation found: {source} and {target} seem to share no surface\n\n"),
+    };
     let inliers = pair.estimate.pose.as_ref().map(|pose| {
         format!(
             "{:.0} % of the retained ones, clique of {}",
@@ -106,12 +91,29 @@ fn text(
                 pair.retained.len()
             ),
         ),
-        ("explained", inliers.unwrap_or("none".into())),
+        ("inliers", inliers.unwrap_or("none".into())),
         ("raw confidence", format!("{:.1}", pair.raw_confidence)),
-        ("working voxel", significant(input.voxel.size)),
+        ("voxel size", significant(input.set.voxel_size)),
     ];
     for (name, value) in rows {
         let _ = writeln!(text, "{name:<16} {value}");
     }
+    text
+}
+
+fn transformation(target_from_source: &Isometry3<f64>, target: &str, source: &str) -> String {
+    let mut text = format!("from the frame of {source} into that of {target}\n");
+    for row in rows(target_from_source).chunks(4) {
+        for value in row {
+            let _ = write!(text, "{value:>22.15}");
+        }
+        text.push('\n');
+    }
+    let _ = writeln!(
+        text,
+        "a rotation of {:.2}° and a translation of {}\n",
+        target_from_source.rotation.angle().to_degrees(),
+        significant(target_from_source.translation.vector.norm())
+    );
     text
 }

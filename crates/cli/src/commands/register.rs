@@ -3,21 +3,19 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gmpcr::{Registration, register_observed};
+use gmpcr::{Edge, Warning, register_observed};
 use serde_json::json;
 
 use crate::arguments::RegisterArguments;
-use crate::attention::{Notice, NoticeKind, notices};
 use crate::config::Config;
-use crate::described::{DescribedScans, WorkingVoxel};
-use crate::georeference::FileFrames;
-use crate::links::Links;
+use crate::input::Input;
 use crate::outcome::{Answer, Failure};
 use crate::output::{FILES, Output, prepare};
 use crate::progress::Progress;
-use crate::result::{EdgeResult, ResultFile};
-use crate::scans::files_of;
+use crate::result::ResultFile;
+use crate::scan_files::files_of;
 use crate::table::{counted, significant, table};
+use crate::warnings::notices;
 
 pub fn run(
     arguments: &RegisterArguments,
@@ -28,54 +26,48 @@ pub fn run(
     let files = files_of(&arguments.inputs)?;
     prepare(&arguments.out, &files)?;
     let input = match &arguments.descriptors {
-        Some(folder) => DescribedScans::by_descriptors(&files, folder, &config, progress)?,
-        None => DescribedScans::by_fpfh(&files, &config, progress)?,
+        Some(folder) => Input::with_descriptors(&files, folder, &config, progress)?,
+        None => Input::with_fpfh(&files, &config, progress)?,
     };
     check_number(&input)?;
-    let params = config.params(input.voxel.size);
+    let params = config.params(input.set.voxel_size);
     let registration =
-        register_observed(&input.scans, &params, progress).map_err(Failure::of_registration)?;
-    let frames = FileFrames::of(&registration, &input.clouds);
-    let notices = notices(&input.clouds, &registration, &params);
-    let result = ResultFile::new(&input, &config, &registration, &frames, notices);
+        register_observed(&input.set.scans, &params, progress).map_err(Failure::of_registration)?;
+    let warnings = registration.warnings(&params);
+    let warnings = notices(&input, &registration, warnings);
+    let world_from_local = registration.world_from_scan.clone();
+    let registration = input.set.in_cloud_frames(registration);
+    let result = ResultFile::new(&input, &config, registration, warnings);
+    let voxel_size = input.set.voxel_size;
     let output = Output {
         title: &title(arguments),
         input: &input,
         params: &params,
-        registration: &registration,
-        frames: &frames,
         result: &result,
-        thin: arguments.thin.map(|size| size.unwrap_or(input.voxel.size)),
+        world_from_local: &world_from_local,
+        downsample: arguments.downsample.map(|size| size.unwrap_or(voxel_size)),
     };
     output.write(&arguments.out, progress)?;
     progress.finish();
     Ok(Answer {
-        text: summary(&registration, &input, &result, is_verbose) + &written(&arguments.out),
+        text: summary(&result, is_verbose) + &written(&arguments.out),
         json: Some(json!(result)),
-        is_complete: registration.components.members().len() == 1,
+        is_complete: result.registration.components.members().len() == 1,
     })
 }
 
 /// A single scan would be in place, but nobody means that.
-fn check_number(input: &DescribedScans) -> Result<(), Failure> {
-    let readable = input.clouds.iter().filter(|cloud| cloud.problem.is_none());
-    if readable.count() >= 2 {
+fn check_number(input: &Input) -> Result<(), Failure> {
+    let files = input.files.iter();
+    let problems: Vec<_> = files.filter_map(|file| file.problem.as_deref()).collect();
+    let (num_files, num_readable) = (input.files.len(), input.files.len() - problems.len());
+    if num_readable >= 2 {
         return Ok(());
     }
-    let problems: Vec<_> = input
-        .clouds
-        .iter()
-        .filter_map(|cloud| cloud.problem.as_deref())
-        .collect();
-    let first = problems
-        .first()
-        .map_or(String::new(), |problem| format!("; {problem}"));
-    Err(format!(
-        "{} of {} scans could be read: at least two are needed{first}",
-        input.clouds.len() - problems.len(),
-        input.clouds.len()
-    )
-    .into())
+    let first = problems.first();
+    let first = first.map_or(String::new(), |problem| format!("; {problem}"));
+    let reason = format!("{num_readable} of {num_files} scans could be read: at least two are needed");
+    Err((reason + &first).into())
 }
 
 /// The folder of the first input, or of the descriptors.
@@ -95,77 +87,59 @@ fn written(folder: &Path) -> String {
     format!("\n{} written to {}\n", names.join(", "), folder.display())
 }
 
-fn summary(
-    registration: &Registration,
-    input: &DescribedScans,
-    result: &ResultFile,
-    is_verbose: bool,
-) -> String {
+fn summary(result: &ResultFile, is_verbose: bool) -> String {
     const FEW: usize = 8;
-    let mut text = overview(registration, input, result);
+    let mut text = overview(result);
+    let edges = &result.registration.edges;
     if is_verbose {
         let _ = write!(
             text,
             "\n{}\n{}",
             scan_table(result),
-            edge_table(result, 0..result.edges.len())
+            edge_table(result, 0..edges.len())
         );
     } else {
-        let weakest = Links::of(registration).weakest().into_iter().take(5);
-        let _ = write!(text, "\nweakest links\n{}", edge_table(result, weakest));
+        let weakest = result.registration.weakest_edges().into_iter().take(5);
+        let _ = write!(text, "\nweakest edges\n{}", edge_table(result, weakest));
     }
-    if !result.notices.is_empty() {
-        let _ = writeln!(text, "\ndeserves a look");
+    if !result.warnings.is_empty() {
+        let _ = writeln!(text, "\nwarnings");
     }
     let num_shown = if is_verbose { usize::MAX } else { FEW };
-    for notice in result.notices.iter().take(num_shown) {
+    for notice in result.warnings.iter().take(num_shown) {
         let _ = writeln!(text, "- {}", notice.text);
     }
-    let num_hidden = result.notices.len().saturating_sub(num_shown);
+    let num_hidden = result.warnings.len().saturating_sub(num_shown);
     if num_hidden > 0 {
         let _ = writeln!(text, "- and {num_hidden} more, see report.html");
     }
     text
 }
 
-fn overview(registration: &Registration, input: &DescribedScans, result: &ResultFile) -> String {
-    let components = registration.components.members();
-    let largest = registration.components.largest().len();
-    let WorkingVoxel { size, is_estimated } = input.voxel;
-    let origin = if is_estimated {
-        "estimated"
-    } else {
-        "as given"
+fn overview(result: &ResultFile) -> String {
+    let registration = &result.registration;
+    let components = &registration.components;
+    let (num_edges, num_pairs) = (
+        registration.edges.len(),
+        registration.confidences.pairs().len(),
+    );
+    let origin = match result.voxel_is_estimated {
+        true => "estimated",
+        false => "as given",
     };
-    let total: f64 = result.stages.iter().map(|stage| stage.seconds).sum();
-    let times = result
-        .stages
-        .iter()
-        .map(|stage| format!("{} {}", stage.name, seconds(stage.seconds)));
     let rows = [
         (
             "scans in one frame",
-            format!("{largest} of {}", input.clouds.len()),
+            format!("{} of {}", components.largest().len(), result.scans.len()),
         ),
-        ("components", components.len().to_string()),
+        ("components", components.members().len().to_string()),
         ("on a single edge", on_single_edges(result)),
+        ("edges", format!("{num_edges} of {num_pairs} scored pairs")),
         (
-            "edges",
-            format!(
-                "{} of {} pairs",
-                result.edges.len(),
-                result.confidences.len()
-            ),
+            "voxel size",
+            format!("{} ({origin})", significant(result.voxel_size)),
         ),
-        ("working voxel", format!("{} ({origin})", significant(size))),
-        (
-            "time",
-            format!(
-                "{}: {}",
-                seconds(total),
-                times.collect::<Vec<_>>().join(", ")
-            ),
-        ),
+        ("time", times(result)),
     ];
     let mut text = String::new();
     for (name, value) in rows {
@@ -174,15 +148,25 @@ fn overview(registration: &Registration, input: &DescribedScans, result: &Result
     text
 }
 
-fn bridges(result: &ResultFile) -> impl Iterator<Item = &Notice> {
-    let notices = result.notices.iter();
-    notices.filter(|notice| notice.kind == NoticeKind::Bridge)
+fn times(result: &ResultFile) -> String {
+    let total: f64 = result.stages.iter().map(|stage| stage.seconds).sum();
+    let stages = result.stages.iter();
+    let stages = stages.map(|stage| format!("{} {}", stage.name, seconds(stage.seconds)));
+    let stages: Vec<_> = stages.collect();
+    format!("{}: {}", seconds(total), stages.join(", "))
 }
 
 /// How many scans are where they are because of one edge, which nothing confirms.
 fn on_single_edges(result: &ResultFile) -> String {
-    let mut scans: Vec<usize> = bridges(result)
-        .flat_map(|notice| notice.scans.iter().copied())
+    let mut scans: Vec<usize> = result
+        .warnings
+        .iter()
+        .filter_map(|notice| match &notice.warning {
+            Warning::Bridge { scans, .. } => Some(scans),
+            _ => None,
+        })
+        .flatten()
+        .copied()
         .collect();
     scans.sort_unstable();
     scans.dedup();
@@ -190,20 +174,22 @@ fn on_single_edges(result: &ResultFile) -> String {
 }
 
 fn scan_table(result: &ResultFile) -> String {
+    let registration = &result.registration;
     let rows = result.scans.iter().enumerate().map(|(k, scan)| {
-        let edges = result
-            .edges
-            .iter()
-            .filter(|edge| edge.i == k || edge.j == k);
+        let edges = registration.edges.iter();
+        let edges = edges.filter(|edge| edge.i == k || edge.j == k);
         [
             scan.name.clone(),
-            scan.component.to_string(),
+            registration.components.label(k).to_string(),
             scan.points.to_string(),
             scan.described.to_string(),
             edges.count().to_string(),
         ]
     });
-    table(&["scan", "component", "points", "described", "edges"], rows)
+    table(
+        &["scan", "component", "points", "with features", "edges"],
+        rows,
+    )
 }
 
 fn edge_table(result: &ResultFile, positions: impl IntoIterator<Item = usize>) -> String {
@@ -213,30 +199,42 @@ fn edge_table(result: &ResultFile, positions: impl IntoIterator<Item = usize>) -
         "inliers",
         "weight before",
         "after",
-        "off by",
+        "residual",
     ];
     // The result follows a single edge wherever it leads.
-    let is_bridge =
-        |edge: &EdgeResult| bridges(result).any(|notice| notice.edge == Some((edge.i, edge.j)));
-    let rows = positions.into_iter().map(|position| {
-        let edge = &result.edges[position];
-        let residual = edge.rotation_residual.zip(edge.translation_residual);
-        let residual = residual.filter(|_| !is_bridge(edge));
-        [
-            format!(
-                "{} – {}",
-                result.scans[edge.i].name, result.scans[edge.j].name
-            ),
-            format!("{:.3}", edge.confidence),
-            format!("{:.0} %", 100.0 * edge.inlier_ratio),
-            significant(edge.initial_weight),
-            significant(edge.final_weight),
-            residual.map_or("-".into(), |(angle, length)| {
-                format!("{angle:.1}°, {}", significant(length))
-            }),
-        ]
-    });
-    table(&header, rows)
+    let mut is_bridge = vec![false; result.registration.edges.len()];
+    for notice in &result.warnings {
+        if let Warning::Bridge { edge, .. } = notice.warning {
+            is_bridge[edge] = true;
+        }
+    }
+    let row = |position: usize| {
+        edge_row(
+            result,
+            &result.registration.edges[position],
+            is_bridge[position],
+        )
+    };
+    table(&header, positions.into_iter().map(row))
+}
+
+fn edge_row(result: &ResultFile, edge: &Edge, is_bridge: bool) -> [String; 6] {
+    let report = &edge.synchronization;
+    let residual = report.rotation_residual.zip(report.translation_residual);
+    let residual = residual.filter(|_| !is_bridge);
+    [
+        format!(
+            "{} – {}",
+            result.scans[edge.i].name, result.scans[edge.j].name
+        ),
+        format!("{:.3}", edge.confidence),
+        format!("{:.0} %", 100.0 * edge.inlier_ratio),
+        significant(report.initial_weight),
+        significant(report.final_weight),
+        residual.map_or("-".into(), |(angle, length)| {
+            format!("{:.1}°, {}", angle.to_degrees(), significant(length))
+        }),
+    ]
 }
 
 fn seconds(time: f64) -> String {

@@ -6,40 +6,35 @@ use std::fmt::Write;
 use std::path::Path;
 
 use gmpcr::features::FeatureParams;
-use gmpcr::sync::{AdaptiveHistory, History, Method};
 use gmpcr::{Params, Preset};
-use serde_json::json;
-use toml::{Table, Value};
+use serde_json::{Value, json};
+use toml::Table;
 
 use crate::arguments::Tuning;
 use crate::outcome::Failure;
-use keys::{Access, KEYS, Key, unknown_key};
+use keys::{KEYS, unknown_key};
 
-/// The parameters of a run. Lengths are in working voxels until the voxel is known.
+/// The voxel size is a length in the unit of the scans, and may be "auto".
+const VOXEL_SIZE: &str = "features.voxel_size";
+/// Degrees for people, radians in [`Params`].
+const RESIDUAL_SCALE: &str = "sync.residual_scale";
+
+/// The parameters of a run. Lengths are in voxels until the voxel size is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
-    /// The working voxel in the unit of the scans; `None` to estimate it.
-    pub voxel: Option<f64>,
-    normal_radius: f64,
-    normal_neighbors: usize,
-    descriptor_radius: f64,
-    descriptor_neighbors: usize,
-    tolerance: f64,
-    inlier_threshold: f64,
-    method: Method,
-    history: AdaptiveHistory,
-    /// Everything else. Lengths and method in it do not count.
-    params: Params,
+    /// In the unit of the scans; `None` to estimate it.
+    pub voxel_size: Option<f64>,
+    in_voxels: Params,
 }
 
 impl Config {
-    /// Preset, file, voxel and single parameters, the later ones winning.
+    /// Preset, file, voxel size and single parameters, the later ones winning.
     pub fn new(tuning: &Tuning) -> Result<Self, Failure> {
         let mut config = Self::preset(tuning.preset);
         if let Some(path) = &tuning.config {
             config.read(path)?;
         }
-        config.voxel = tuning.voxel.or(config.voxel);
+        config.voxel_size = tuning.voxel.or(config.voxel_size);
         for assignment in &tuning.set {
             config.assign(assignment)?;
         }
@@ -47,11 +42,19 @@ impl Config {
         Ok(config)
     }
 
-    /// Checks ranges, in the names and units of the keys.
+    fn preset(preset: Preset) -> Self {
+        Self {
+            voxel_size: None,
+            in_voxels: preset.params().with_voxel_size(1.0),
+        }
+    }
+
+    /// Checks ranges, in the units of the keys.
     fn check(&self) -> Result<(), Failure> {
+        let features = &self.in_voxels.features;
         for (name, length) in [
-            ("features.normal_radius", self.normal_radius),
-            ("features.descriptor_radius", self.descriptor_radius),
+            ("features.normals.radius", features.normals.radius),
+            ("features.fpfh.radius", features.fpfh.radius),
         ] {
             if !(1e-3..=1e3).contains(&length) {
                 return Err(
@@ -59,70 +62,22 @@ impl Config {
                 );
             }
         }
-        for (name, count) in [
-            ("features.normal_neighbors", self.normal_neighbors),
-            ("features.descriptor_neighbors", self.descriptor_neighbors),
-        ] {
-            if count == 0 {
-                return Err(format!("{name} is 0: it must be at least 1").into());
-            }
+        let scale = self.in_voxels.sync.residual_scale;
+        if scale <= 0.0 {
+            let degrees = rounded(scale.to_degrees());
+            return Err(format!("{RESIDUAL_SCALE} is {degrees}: it must be positive").into());
         }
-        let params = self.params(1.0);
-        if params.sync.residual_scale <= 0.0 {
-            let degrees = rounded(params.sync.residual_scale.to_degrees());
-            return Err(format!("sync.residual_scale is {degrees}: it must be positive").into());
-        }
-        let outcome = params.validate();
-        Ok(outcome.map_err(|error| error.to_string().replace("sync.method.", "sync."))?)
+        Ok(self.in_voxels.validate()?)
     }
 
-    fn preset(preset: Preset) -> Self {
-        let params = preset.params();
-        let features = FeatureParams::from_voxel_size(1.0);
-        let history = match params.sync.method {
-            Method::HistoryAware(History::Adaptive(history)) => history,
-            _ => AdaptiveHistory::default(),
-        };
-        Self {
-            voxel: None,
-            normal_radius: features.normals.radius,
-            normal_neighbors: features.normals.max_neighbors,
-            descriptor_radius: features.fpfh.radius,
-            descriptor_neighbors: features.fpfh.max_neighbors,
-            // Two voxels: the paper's 0.10 m at the customary voxel of 0.05 m.
-            tolerance: 2.0,
-            inlier_threshold: 2.0,
-            method: params.sync.method,
-            history,
-            params,
-        }
+    /// All parameters at a voxel size, in the unit of the scans.
+    pub fn params(&self, voxel_size: f64) -> Params {
+        self.in_voxels.clone().scaled(voxel_size)
     }
 
-    /// The parameters of the registration at a working voxel.
-    pub fn params(&self, voxel: f64) -> Params {
-        let mut params = self.params.clone();
-        params.compatibility.tolerance = self.tolerance * voxel;
-        params.cliques.inlier_threshold = self.inlier_threshold * voxel;
-        params.sync.method = self.method();
-        params
-    }
-
-    /// The parameters of the features at a working voxel.
-    pub fn features(&self, voxel: f64) -> FeatureParams {
-        let mut params = FeatureParams::from_voxel_size(voxel);
-        params.normals.radius = self.normal_radius * voxel;
-        params.normals.max_neighbors = self.normal_neighbors;
-        params.fpfh.radius = self.descriptor_radius * voxel;
-        params.fpfh.max_neighbors = self.descriptor_neighbors;
-        params
-    }
-
-    /// The method, an adaptive one with the history's parameters.
-    fn method(&self) -> Method {
-        match self.method {
-            Method::HistoryAware(History::Adaptive(_)) => History::Adaptive(self.history).into(),
-            other => other,
-        }
+    /// The parameters of the features; lengths are in voxels.
+    pub fn features_in_voxels(&self) -> &FeatureParams {
+        &self.in_voxels.features
     }
 
     fn read(&mut self, path: &Path) -> Result<(), Failure> {
@@ -131,14 +86,16 @@ impl Config {
         let table: Table = text
             .parse()
             .map_err(|error| format!("{}: {error}", path.display()))?;
-        for (name, value) in flattened(&table) {
+        let mut entries = Vec::new();
+        flatten("", &table, &mut entries);
+        for (name, value) in entries {
             self.set(&name, value)
                 .map_err(|reason| format!("{}: {reason}", path.display()))?;
         }
         Ok(())
     }
 
-    /// `name=value`, the value as in the file; quotes around words may be left out.
+    /// `path=value`, the value as in the file; quotes around words may be left out.
     fn assign(&mut self, assignment: &str) -> Result<(), Failure> {
         let Some((name, text)) = assignment.split_once('=') else {
             return Err(format!("--set {assignment}: NAME=VALUE is needed").into());
@@ -146,91 +103,90 @@ impl Config {
         let (name, text) = (name.trim(), text.trim());
         let table = format!("value = {text}").parse::<Table>();
         let value = table.ok().and_then(|mut table| table.remove("value"));
-        let value = value.unwrap_or_else(|| Value::String(text.to_owned()));
+        let value = value.unwrap_or_else(|| toml::Value::String(text.to_owned()));
         let outcome = self.set(name, &value);
         outcome.map_err(|reason| format!("--set {assignment}: {reason}").into())
     }
 
-    fn set(&mut self, name: &str, value: &Value) -> Result<(), String> {
-        let Some(key) = KEYS.iter().find(|key| key.name == name) else {
+    fn set(&mut self, name: &str, value: &toml::Value) -> Result<(), String> {
+        if !KEYS.iter().any(|(path, _)| *path == name) {
             return Err(unknown_key(name));
-        };
+        }
         let wanted = |what: &str| format!("{name} is {value}, but must be {what}");
         let number = || match value {
-            Value::Integer(value) => Some(*value as f64),
-            Value::Float(value) if value.is_finite() => Some(*value),
+            toml::Value::Integer(value) => Some(*value as f64),
+            toml::Value::Float(value) if value.is_finite() => Some(*value),
             _ => None,
         };
-        match key.access {
-            Access::Voxel => {
-                let positive = number().filter(|&voxel| voxel > 0.0);
-                if positive.is_none() && value.as_str() != Some("auto") {
-                    return Err(wanted("\"auto\" or a positive number"));
-                }
-                self.voxel = positive;
+        if name == VOXEL_SIZE {
+            let positive = number().filter(|&voxel_size| voxel_size > 0.0);
+            if positive.is_none() && value.as_str() != Some("auto") {
+                return Err(wanted("\"auto\" or a positive number"));
             }
-            Access::Count(field) => {
-                let count = value.as_integer().and_then(|value| value.try_into().ok());
-                *field(self) = count.ok_or_else(|| wanted("a whole number"))?;
-            }
-            Access::Number(field) => {
-                *field(self) = number().ok_or_else(|| wanted("a number"))?;
-            }
-            Access::Degrees(field) => {
-                *field(self) = number().ok_or_else(|| wanted("a number"))?.to_radians();
-            }
-            Access::Method => {
-                let name = value.as_str().ok_or_else(|| wanted("a name"))?;
-                self.method = name.parse().map_err(|unknown| format!("{unknown}"))?;
-                if self.method.name() == "no-recovery" {
-                    self.history.recovery = 0.0;
-                }
-            }
+            self.voxel_size = positive;
+            return Ok(());
         }
+        let mut tree = self.tree();
+        let Some(place) = tree.pointer_mut(&pointer(name)) else {
+            return Err(unknown_key(name));
+        };
+        *place = match place {
+            Value::String(_) => json!(value.as_str().ok_or_else(|| wanted("a name"))?),
+            Value::Number(before) if before.is_u64() => {
+                let count = value.as_integer().and_then(|value| usize::try_from(value).ok());
+                json!(count.ok_or_else(|| wanted("a whole number"))?)
+            }
+            _ => {
+                let number = number().ok_or_else(|| wanted("a number"))?;
+                json!(if name == RESIDUAL_SCALE { number.to_radians() } else { number })
+            }
+        };
+        self.in_voxels = serde_json::from_value(tree).map_err(|error| error.to_string())?;
         Ok(())
     }
 
-    fn get(&self, key: &Key) -> Value {
-        // The fields are reached through one function each, which needs something to change.
-        let mut copy = self.clone();
-        match key.access {
-            Access::Voxel => self
-                .voxel
-                .map_or(Value::String("auto".into()), Value::Float),
-            Access::Count(field) => Value::Integer(*field(&mut copy) as i64),
-            Access::Number(field) => Value::Float(*field(&mut copy)),
-            Access::Degrees(field) => Value::Float(rounded(field(&mut copy).to_degrees())),
-            Access::Method => Value::String(self.method().name().to_owned()),
+    /// The parameters as a tree of names.
+    fn tree(&self) -> Value {
+        json!(self.in_voxels)
+    }
+
+    /// The value of a parameter, as the file has it.
+    fn get(&self, name: &str) -> Value {
+        let value = self.tree().pointer(&pointer(name)).cloned();
+        match (name, value) {
+            (VOXEL_SIZE, _) => self.voxel_size.map_or(json!("auto"), |size| json!(size)),
+            (RESIDUAL_SCALE, _) => {
+                json!(rounded(self.in_voxels.sync.residual_scale.to_degrees()))
+            }
+            (_, value) => value.unwrap_or_default(),
         }
     }
 
     /// The file of parameters, each with what it means.
     pub fn to_toml(&self) -> String {
-        let mut text = String::from("# Lengths are in working voxels.\n");
+        let mut text = String::from("# Lengths are in voxels, but for the voxel size itself.\n");
         let mut section = "";
-        for key in KEYS {
-            let (of, name) = key.name.split_once('.').unwrap_or(("", key.name));
+        for (path, help) in KEYS {
+            let (of, name) = path.rsplit_once('.').unwrap_or(("", path));
             if of != section {
                 section = of;
                 let _ = write!(text, "\n[{section}]");
             }
-            let _ = write!(text, "\n# {}\n{name} = {}\n", key.help, self.get(key));
+            let _ = write!(text, "\n# {help}\n{name} = {}\n", self.get(path));
         }
         text
     }
 
-    /// All parameters by their names.
-    pub fn to_json(&self) -> serde_json::Value {
-        let values = KEYS.iter().map(|key| {
-            let value = match self.get(key) {
-                Value::Integer(value) => json!(value),
-                Value::Float(value) => json!(value),
-                other => json!(other.as_str()),
-            };
-            (key.name.to_owned(), value)
-        });
-        serde_json::Value::Object(values.collect())
+    /// All parameters by their paths.
+    pub fn to_json(&self) -> Value {
+        let values = KEYS.iter().map(|(path, _)| ((*path).to_owned(), self.get(path)));
+        Value::Object(values.collect())
     }
+}
+
+/// The place of a parameter in the tree.
+fn pointer(name: &str) -> String {
+    format!("/{}", name.replace('.', "/"))
 }
 
 /// Angles are in degrees outside and in radians inside; the way there and back costs a last digit.
@@ -238,19 +194,18 @@ fn rounded(degrees: f64) -> f64 {
     (degrees * 1e12).round() / 1e12
 }
 
-/// `section.name` and value of every entry.
-fn flattened(table: &Table) -> Vec<(String, &Value)> {
-    let mut entries = Vec::new();
+/// Path and value of every entry.
+fn flatten<'t>(section: &str, table: &'t Table, entries: &mut Vec<(String, &'t toml::Value)>) {
     for (name, value) in table {
+        let path = match section {
+            "" => name.clone(),
+            _ => format!("{section}.{name}"),
+        };
         match value {
-            Value::Table(section) => {
-                let inner = section.iter();
-                entries.extend(inner.map(|(key, value)| (format!("{name}.{key}"), value)));
-            }
-            _ => entries.push((name.clone(), value)),
+            toml::Value::Table(inner) => flatten(&path, inner, entries),
+            _ => entries.push((path, value)),
         }
     }
-    entries
 }
 
 #[cfg(test)]
@@ -272,11 +227,10 @@ mod tests {
     }
 
     #[test]
-    fn a_preset_at_five_centimetres_has_the_numbers_of_the_paper() {
+    fn a_preset_at_five_centimeters_has_the_numbers_of_the_paper() {
         for preset in Preset::ALL {
             let config = Config::new(&tuning(preset, &[])).unwrap();
             assert_eq!(config.params(0.05), preset.params());
-            assert_eq!(config.features(0.05), FeatureParams::default());
         }
     }
 
@@ -284,7 +238,11 @@ mod tests {
     fn the_printed_parameters_read_back_as_the_same() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("params.toml");
-        let changes = ["voxel=0.02", "sync.method=hara", "sync.residual_scale=7"];
+        let changes = [
+            "features.voxel_size=0.02",
+            "sync.method=hara",
+            "sync.residual_scale=7",
+        ];
         let written = Config::new(&tuning(Preset::Eth, &changes)).unwrap();
         std::fs::write(&path, written.to_toml()).unwrap();
         let mut from_file = tuning(Preset::ThreeDMatch, &[]);
@@ -297,18 +255,48 @@ mod tests {
     #[test]
     fn every_parameter_can_be_set_and_shows() {
         let unchanged = Config::preset(Preset::ThreeDMatch);
-        for key in KEYS {
-            let value = match key.access {
-                Access::Voxel => Value::Float(0.3),
-                Access::Count(_) => Value::Integer(7),
-                Access::Number(_) | Access::Degrees(_) => Value::Float(0.25),
-                Access::Method => Value::String("consensus".into()),
+        for (path, _) in KEYS {
+            let value = match unchanged.get(path) {
+                Value::Number(value) if value.is_u64() => toml::Value::Integer(7),
+                Value::String(value) if value == "adaptive" => "consensus".into(),
+                _ => toml::Value::Float(0.25),
             };
             let mut config = unchanged.clone();
-            config.set(key.name, &value).unwrap();
-            assert_eq!(config.get(key), value, "{}", key.name);
-            assert_ne!(config, unchanged, "{}", key.name);
+            config.set(path, &value).unwrap();
+            let shown: toml::Value = serde_json::from_value(config.get(path)).unwrap();
+            assert_eq!(shown, value, "{path}");
+            assert_ne!(config, unchanged, "{path}");
         }
+    }
+
+    #[test]
+    fn every_parameter_of_the_library_has_a_comment() {
+        fn leaves(path: &str, value: &Value, found: &mut Vec<String>) {
+            match value {
+                Value::Object(fields) => {
+                    for (name, value) in fields {
+                        leaves(&format!("{path}.{name}"), value, found);
+                    }
+                }
+                _ => found.push(path.trim_start_matches('.').to_owned()),
+            }
+        }
+        let mut found = Vec::new();
+        leaves("", &Config::preset(Preset::default()).tree(), &mut found);
+        // Each scan has a viewpoint of its own.
+        found.retain(|path| path != "features.normals.viewpoint");
+        let mut commented: Vec<_> = KEYS.iter().map(|(path, _)| path.to_string()).collect();
+        found.sort();
+        commented.sort();
+        assert_eq!(found, commented);
+    }
+
+    #[test]
+    fn the_affinity_of_the_clique_graph_is_of_first_order() {
+        let text = Config::preset(Preset::default()).to_toml();
+        let comment = text.lines().zip(text.lines().skip(1));
+        let comment = comment.filter(|(_, line)| line.starts_with("min_affinity"));
+        assert!(comment.map(|(comment, _)| comment).all(|c| c.starts_with("# First-order")));
     }
 
     #[test]
@@ -317,7 +305,7 @@ mod tests {
             ("neighbors", "NAME=VALUE is needed"),
             (
                 "neighbors=3",
-                "no parameter neighbors; is one of these meant: features.normal_neighbors,",
+                "no parameter neighbors; is one of these meant: features.normals.max_neighbors,",
             ),
             (
                 "posegraph.neighbors=-1",
@@ -327,18 +315,27 @@ mod tests {
                 "posegraph.neighbors=many",
                 "is \"many\", but must be a whole number",
             ),
-            ("voxel=0", "must be \"auto\" or a positive number"),
-            ("voxel=nan", "must be \"auto\" or a positive number"),
             (
-                "sync.method=best",
-                "no synchronisation method is named \"best\"",
+                "features.voxel_size=0",
+                "must be \"auto\" or a positive number",
             ),
             (
-                "features.normal_radius=-1",
+                "features.voxel_size=nan",
+                "must be \"auto\" or a positive number",
+            ),
+            (
+                "sync.method=best",
+                "no synchronization method is named \"best\"",
+            ),
+            (
+                "features.normals.radius=-1",
                 "is -1: it must be from 0.001 to 1000 voxels",
             ),
             ("sync.residual_scale=-5", "is -5: it must be positive"),
-            ("sync.max_memory=1", "parameter sync.max_memory is 1"),
+            (
+                "sync.history.max_memory=1",
+                "parameter sync.history.max_memory is 1",
+            ),
             (
                 "compatibility.retained_fraction=1.5",
                 "it must be in (0, 1]",

@@ -8,9 +8,11 @@ use gmpcr::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use gmpcr_io::distinct_color;
 use serde_json::{Value, json};
 
-use crate::attention::NoticeKind;
+use gmpcr::geometry::matrix_rows::rows;
+use gmpcr::{Edge, Warning};
+
 use crate::output::Output;
-use crate::result::{EdgeResult, rows};
+use crate::warnings::Notice;
 
 /// Points of a scan in the picture, at most.
 const MOST_POINTS: usize = 5_000;
@@ -41,58 +43,96 @@ pub fn report_html(output: &Output) -> String {
 fn data(output: &Output) -> Value {
     let result = output.result;
     let picture = Picture::new(output);
-    let registration = output.registration;
-    let scans = result.scans.iter().enumerate().map(|(k, scan)| {
-        let mut grave = result
-            .notices
-            .iter()
-            .filter(|notice| notice.kind != NoticeKind::Contradiction);
-        json!({
-            "name": scan.name,
-            "component": scan.component,
-            "color": distinct_color(k),
-            "points": scan.points,
-            "count": picture.positions[k].len() / 3,
-            "positions": STANDARD.encode(bytes(&picture.positions[k])),
-            "attention": grave.any(|notice| notice.scans.contains(&k)),
-        })
-    });
+    let registration = output.registration();
     let components = registration.components.members().iter().zip(&picture.boxes);
     let components = components.map(|(scans, part)| {
         json!({ "scans": scans, "origin": part.origin.as_slice(), "step": part.step })
     });
+    let confidences = &registration.confidences;
+    let scored = confidences.pairs().iter().zip(confidences.normalized());
+    let scored = scored.map(|(pair, s)| json!([pair.i, pair.j, rounded(*s)]));
     json!({
         "title": output.title,
         "version": format!("gmpcr {}", result.version),
         "features": result.features,
-        "voxel": result.voxel,
+        "voxel_size": result.voxel_size,
         "voxel_is_estimated": result.voxel_is_estimated,
-        "scans": scans.collect::<Vec<_>>(),
+        "scans": scans(output, &picture),
         "components": components.collect::<Vec<_>>(),
         "poses": picture.poses.iter().map(rows).collect::<Vec<_>>(),
-        "edges": result.edges.iter().map(edge).collect::<Vec<_>>(),
-        "unresolved": result.unresolved,
-        "confidences": result.confidences.iter().map(|s| rounded(*s)).collect::<Vec<_>>(),
+        "edges": registration.edges.iter().map(edge).collect::<Vec<_>>(),
+        "unresolved": registration.unresolved,
+        "scored_pairs": scored.collect::<Vec<_>>(),
         "stages": result.stages,
-        "attention": result.notices,
+        "warnings": result.warnings.iter().map(|notice| warning(notice, output)).collect::<Vec<_>>(),
     })
 }
 
-fn edge(edge: &EdgeResult) -> Value {
+fn scans(output: &Output, picture: &Picture) -> Value {
+    let registration = output.registration();
+    let mut has_warning = vec![false; registration.ids.len()];
+    for notice in &output.result.warnings {
+        if !matches!(notice.warning, Warning::Contradiction { .. }) {
+            for scan in notice.warning.scans(registration) {
+                has_warning[scan] = true;
+            }
+        }
+    }
+    let scans = output.result.scans.iter().enumerate().map(|(k, scan)| {
+        json!({
+            "name": scan.name,
+            "component": registration.components.label(k),
+            "color": distinct_color(k),
+            "points": scan.points,
+            "count": picture.positions[k].len() / 3,
+            "positions": STANDARD.encode(bytes(&picture.positions[k])),
+            "has_warning": has_warning[k],
+        })
+    });
+    scans.collect()
+}
+
+fn warning(notice: &Notice, output: &Output) -> Value {
+    let registration = output.registration();
+    let edge = notice.warning.edge().map(|edge| {
+        let Edge { i, j, .. } = registration.edges[edge];
+        [i, j]
+    });
+    json!({
+        "kind": kind(&notice.warning),
+        "scans": notice.warning.scans(registration),
+        "edge": edge,
+        "text": notice.text,
+    })
+}
+
+fn kind(warning: &Warning) -> &'static str {
+    match warning {
+        Warning::Unregistered { .. } => "unregistered",
+        Warning::SeparateFrame { .. } => "separate_frame",
+        Warning::Loose { .. } => "loose",
+        Warning::Bridge { .. } => "bridge",
+        Warning::Contradiction { .. } => "contradiction",
+        _ => "other",
+    }
+}
+
+fn edge(edge: &Edge) -> Value {
+    let report = &edge.synchronization;
     json!({
         "i": edge.i,
         "j": edge.j,
         "confidence": edge.confidence,
         "inlier_ratio": edge.inlier_ratio,
-        "correspondences": edge.correspondences,
+        "correspondences": edge.num_correspondences,
         "clique_size": edge.clique_size,
         "cliques_seen": edge.cliques_seen,
         "budget_exhausted": edge.budget_exhausted,
-        "initial_weight": edge.initial_weight,
-        "final_weight": edge.final_weight,
-        "rotation_residual": edge.rotation_residual,
-        "translation_residual": edge.translation_residual,
-        "weights": edge.weights.iter().map(|w| rounded(*w)).collect::<Vec<_>>(),
+        "initial_weight": report.initial_weight,
+        "final_weight": report.final_weight,
+        "rotation_residual": report.rotation_residual.map(f64::to_degrees),
+        "translation_residual": report.translation_residual,
+        "weights": report.weights.iter().map(|w| rounded(*w)).collect::<Vec<_>>(),
     })
 }
 
@@ -125,9 +165,9 @@ struct GridBox {
 
 impl Picture {
     fn new(output: &Output) -> Self {
-        let registration = output.registration;
+        let registration = output.registration();
         let poses = upright_poses(output);
-        let clouds = output.input.clouds.iter().zip(&poses);
+        let clouds = output.input.set.clouds.iter().zip(&poses);
         let clouds: Vec<_> = clouds
             .map(|(cloud, pose)| shown(&cloud.points, pose))
             .collect();
@@ -160,10 +200,9 @@ impl Picture {
 /// The world has the axes of its first scan. Laser scans have their z upwards, cameras their y
 /// downwards and z to the front.
 fn upright_poses(output: &Output) -> Vec<Isometry3<f64>> {
-    let registration = output.registration;
-    let mut poses = registration.world_from_scan.clone();
-    for scans in registration.components.members() {
-        if is_of_camera(&output.input.clouds[scans[0]].points) {
+    let mut poses = output.world_from_local.to_vec();
+    for scans in output.registration().components.members() {
+        if is_of_camera(&output.input.set.clouds[scans[0]].points) {
             let upright = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -FRAC_PI_2);
             for &scan in scans {
                 poses[scan] = upright * poses[scan];

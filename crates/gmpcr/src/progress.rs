@@ -1,48 +1,4 @@
-use std::fmt;
-
-/// A stage of [`register`](crate::register).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Stage {
-    /// Farthest-point sampling; its items are scans.
-    Sampling,
-    /// Matching and scoring; its items are pairs of scans. It begins again for each round of pairs where they
-    /// are retrieved; the retrieval itself has no items.
-    Scoring,
-    /// Choice of the edges, one item.
-    Selection,
-    /// Relative poses; its items are the selected pairs.
-    PoseEstimation,
-    /// Synchronisation, one item.
-    Synchronization,
-}
-
-impl Stage {
-    /// All stages in their order.
-    pub const ALL: [Self; 5] = [
-        Self::Sampling,
-        Self::Scoring,
-        Self::Selection,
-        Self::PoseEstimation,
-        Self::Synchronization,
-    ];
-
-    /// The name in words, in lower case.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sampling => "sampling",
-            Self::Scoring => "pair scoring",
-            Self::Selection => "pair selection",
-            Self::PoseEstimation => "pose estimation",
-            Self::Synchronization => "synchronisation",
-        }
-    }
-}
-
-impl fmt::Display for Stage {
-    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.pad(self.name())
-    }
-}
+use crate::{Error, Stage};
 
 /// Watches a registration, and may end it: for progress bars and for programs that are told to stop.
 ///
@@ -83,12 +39,35 @@ pub trait Observer: Sync {
     /// An item of the stage that began last is done. Called from any thread.
     fn item_done(&self) {}
 
-    /// Whether the registration is to end with [`Error::Cancelled`](crate::Error::Cancelled): asked
+    /// Whether the work is to end with [`Error::Cancelled`]: asked
     /// before every item, from any thread. Items under way are finished; selection and
-    /// synchronisation are one item each.
+    /// synchronization are one item each.
     fn is_cancelled(&self) -> bool {
         false
     }
 }
 
 impl Observer for () {}
+
+/// A stage under way: tells the observer of its items, and heeds it.
+pub(crate) struct StageProgress<'a> {
+    stage: Stage,
+    observer: &'a dyn Observer,
+}
+
+impl<'a> StageProgress<'a> {
+    pub fn begin(stage: Stage, num_items: usize, observer: &'a dyn Observer) -> Self {
+        observer.begin(stage, num_items);
+        Self { stage, observer }
+    }
+
+    /// Does one item, unless the observer has had enough.
+    pub fn item<T>(&self, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+        if self.observer.is_cancelled() {
+            return Err(Error::Cancelled { stage: self.stage });
+        }
+        let result = work();
+        self.observer.item_done();
+        result
+    }
+}

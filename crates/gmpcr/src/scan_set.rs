@@ -1,0 +1,245 @@
+use gmpcr_correspondence::{Descriptors, Scan};
+use gmpcr_features::{
+    self as features, FPFH_DIMENSION, FeatureParams, LocalCloud, common_voxel_size,
+    estimate_voxel_size, localize_georeferenced,
+};
+use nalgebra::{Isometry3, Point3, Translation3};
+use rayon::prelude::*;
+
+use crate::progress::StageProgress;
+use crate::{Error, Observer, Registration, Stage, StageTimes};
+
+/// A cloud as a file has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cloud {
+    /// The points, in any unit and frame.
+    pub points: Vec<Point3<f64>>,
+    /// Where the sensor stood, in the frame of the points; `None` where the file does not say.
+    pub viewpoint: Option<Point3<f64>>,
+}
+
+/// Scans made of clouds, ready to be registered, and how they were made.
+///
+/// Registration sees the points of each cloud less an origin of its own, which is zero but for georeferenced
+/// clouds: numbers of seven digits before the point have few left behind it.
+/// [`in_cloud_frames`](Self::in_cloud_frames) leads back to the coordinates of the clouds.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ScanSet {
+    /// The clouds less their origins and their stray points.
+    pub clouds: Vec<LocalCloud>,
+    /// One per cloud, in its coordinates. A cloud without features is a scan without points.
+    pub scans: Vec<Scan>,
+    /// The length from which all others follow, in the unit of the clouds.
+    pub voxel_size: f64,
+    /// Points of each cloud that were left out because they are far from all others.
+    pub num_strays: Vec<usize>,
+    /// Why a cloud has no features.
+    pub problems: Vec<Option<features::Error>>,
+    /// Wall time of the stages.
+    pub times: StageTimes,
+}
+
+/// Turns clouds into scans without being told anything: voxel size, downsampling, normals, FPFH.
+///
+/// The voxel size is the median of those that suit the clouds
+/// ([`estimate_voxel_size`]); the other lengths follow from it. Stray and georeferenced points are taken
+/// care of. A cloud whose features cannot be computed has its reason in [`ScanSet::problems`].
+///
+/// # Errors
+/// [`Error::NoExtent`] if no cloud has two different points, [`Error::Features`] if a coordinate is not finite.
+///
+/// ```
+/// use gmpcr::nalgebra::Point3;
+/// use gmpcr::{Cloud, Params, compute_features, register};
+///
+/// // A wavy sheet of about a meter, seen from zero.
+/// let points = (0..1600).map(|k| (k % 40, k / 40)).map(|(x, y)| {
+///     let (x, y) = (f64::from(x) * 0.025, f64::from(y) * 0.025);
+///     Point3::new(x, y, 1.0 + 0.1 * (7.0 * x).sin() * (5.0 * y).cos())
+/// });
+/// let cloud = Cloud { points: points.collect(), viewpoint: None };
+/// let set = compute_features(vec![cloud.clone(), cloud])?;
+/// let params = Params::default().with_voxel_size(set.voxel_size);
+/// let registration = set.in_cloud_frames(register(&set.scans, &params)?);
+/// assert!(registration.connectivity.is_connected);
+/// # Ok::<(), gmpcr::Error>(())
+/// ```
+pub fn compute_features(clouds: Vec<Cloud>) -> Result<ScanSet, Error> {
+    let in_voxels = FeatureParams::from_voxel_size(1.0);
+    compute_features_with(clouds, None, &in_voxels, &())
+}
+
+/// As [`compute_features`], with a voxel size (`None` to estimate it), with parameters of which the lengths are
+/// in voxels (their own `voxel_size` is a factor, usually 1), and with an observer.
+///
+/// # Errors
+/// Those of [`compute_features`], [`Error::Parameter`], and [`Error::Cancelled`] if the observer says so.
+pub fn compute_features_with(
+    clouds: Vec<Cloud>,
+    voxel_size: Option<f64>,
+    in_voxels: &FeatureParams,
+    observer: &dyn Observer,
+) -> Result<ScanSet, Error> {
+    let mut times = StageTimes::default();
+    let mut clouds = localized(clouds);
+    let voxel_size = times.timed(Stage::VoxelSize, || {
+        voxel_size_of(&clouds, voxel_size, observer)
+    })?;
+    let params = in_voxels.scaled(voxel_size);
+    params.validate().map_err(|error| error.within("features"))?;
+    let progress = StageProgress::begin(Stage::Features, clouds.len(), observer);
+    let compute = |cloud: &mut LocalCloud| progress.item(|| Ok(scan_of(cloud, &params)));
+    let computed: Vec<_> = times.timed(Stage::Features, || {
+        let computed = clouds.par_iter_mut().map(compute);
+        computed.collect::<Result<_, Error>>()
+    })?;
+    let mut set = ScanSet {
+        clouds,
+        scans: Vec::new(),
+        voxel_size,
+        num_strays: Vec::new(),
+        problems: Vec::new(),
+        times,
+    };
+    for (num_strays, scan) in computed {
+        let (scan, problem) = match scan {
+            Ok(scan) => (scan, None),
+            Err(problem) => (no_points(FPFH_DIMENSION), Some(problem)),
+        };
+        set.scans.push(scan);
+        set.num_strays.push(num_strays);
+        set.problems.push(problem);
+    }
+    Ok(set)
+}
+
+impl ScanSet {
+    /// Clouds whose features come from elsewhere: `scans[k]` has keypoints in the coordinates of `clouds[k]`,
+    /// and descriptors. The voxel size is estimated from the clouds unless it is given.
+    ///
+    /// # Errors
+    /// [`Error::ScansAndClouds`] if there is not one scan per cloud, [`Error::NoExtent`] if the voxel size cannot
+    /// be estimated, and [`Error::Cancelled`] if the observer says so.
+    pub fn with_scans(
+        clouds: Vec<Cloud>,
+        scans: Vec<Scan>,
+        voxel_size: Option<f64>,
+        observer: &dyn Observer,
+    ) -> Result<Self, Error> {
+        if clouds.len() != scans.len() {
+            return Err(Error::ScansAndClouds {
+                scans: scans.len(),
+                clouds: clouds.len(),
+            });
+        }
+        let mut times = StageTimes::default();
+        let clouds = localized(clouds);
+        let scans = clouds.iter().zip(scans).map(|(cloud, scan)| {
+            let points = scan.points().iter().map(|point| point - cloud.origin);
+            Ok(Scan::new(points.collect(), scan.descriptors().clone())?)
+        });
+        let scans = scans.collect::<Result<_, Error>>()?;
+        let voxel_size = times.timed(Stage::VoxelSize, || {
+            voxel_size_of(&clouds, voxel_size, observer)
+        })?;
+        Ok(Self {
+            num_strays: vec![0; clouds.len()],
+            problems: vec![None; clouds.len()],
+            scans,
+            clouds,
+            voxel_size,
+            times,
+        })
+    }
+
+    /// A registration of [`scans`](Self::scans) in the coordinates that the clouds came in: poses and relative
+    /// poses of their frames. See [`Registration::with_scan_frames`].
+    pub fn in_cloud_frames(&self, registration: Registration) -> Registration {
+        registration.with_scan_frames(&self.cloud_from_local())
+    }
+
+    /// A transformation from the coordinates of scan `j` to those of scan `i`, in the coordinates that their
+    /// clouds came in: `N_i T_ij N_j⁻¹`.
+    ///
+    /// # Panics
+    /// If a scan does not exist.
+    pub fn between_clouds(&self, i: usize, i_from_j: &Isometry3<f64>, j: usize) -> Isometry3<f64> {
+        cloud_from_local(&self.clouds[i]) * i_from_j * cloud_from_local(&self.clouds[j]).inverse()
+    }
+
+    /// From the coordinates of [`clouds`](Self::clouds) and [`scans`](Self::scans) to those that the clouds came
+    /// in.
+    pub fn cloud_from_local(&self) -> Vec<Isometry3<f64>> {
+        self.clouds.iter().map(cloud_from_local).collect()
+    }
+}
+
+/// Turns one cloud into a scan with known parameters, on the calling thread: for clouds that do not all fit
+/// into memory. Coordinates stay as they are.
+///
+/// # Errors
+/// Those of [`features::compute_features`].
+pub fn compute_scan(
+    points: &[Point3<f64>],
+    params: &FeatureParams,
+) -> Result<Scan, features::Error> {
+    let features = features::compute_features(points, params)?;
+    let rows = features.descriptors.into_flattened();
+    let descriptors = Descriptors::new(rows, FPFH_DIMENSION);
+    Ok(descriptors
+        .ok()
+        .and_then(|descriptors| Scan::new(features.points, descriptors).ok())
+        .expect("features are finite, one row per point"))
+}
+
+fn cloud_from_local(cloud: &LocalCloud) -> Isometry3<f64> {
+    Translation3::from(cloud.origin).into()
+}
+
+fn localized(clouds: Vec<Cloud>) -> Vec<LocalCloud> {
+    let clouds = clouds.into_iter();
+    let mut clouds: Vec<_> = clouds
+        .map(|cloud| LocalCloud::new(cloud.points, cloud.viewpoint))
+        .collect();
+    localize_georeferenced(&mut clouds);
+    clouds
+}
+
+/// The given voxel size, or the one that suits most clouds.
+fn voxel_size_of(
+    clouds: &[LocalCloud],
+    given: Option<f64>,
+    observer: &dyn Observer,
+) -> Result<f64, Error> {
+    if let Some(voxel_size) = given {
+        return Ok(voxel_size);
+    }
+    let progress = StageProgress::begin(Stage::VoxelSize, clouds.len(), observer);
+    let estimate = |(cloud, local): (usize, &LocalCloud)| {
+        let estimate = || estimate_voxel_size(&local.points);
+        progress.item(|| estimate().map_err(|source| Error::Features { cloud, source }))
+    };
+    let estimates = clouds.par_iter().enumerate().map(estimate);
+    let estimates: Vec<Option<f64>> = estimates.collect::<Result<_, _>>()?;
+    let estimates: Vec<f64> = estimates.into_iter().flatten().collect();
+    common_voxel_size(&estimates).ok_or(Error::NoExtent)
+}
+
+/// Stray points left out, and the scan of the others.
+fn scan_of(
+    cloud: &mut LocalCloud,
+    params: &FeatureParams,
+) -> (usize, Result<Scan, features::Error>) {
+    let num_strays = cloud.remove_strays(params.voxel_size);
+    let mut params = *params;
+    params.normals.viewpoint = cloud.viewpoint;
+    (num_strays, compute_scan(&cloud.points, &params))
+}
+
+fn no_points(dimension: usize) -> Scan {
+    let none = Descriptors::new(Vec::new(), dimension);
+    none.ok()
+        .and_then(|descriptors| Scan::new(Vec::new(), descriptors).ok())
+        .expect("no points and no descriptors are a scan")
+}

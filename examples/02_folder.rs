@@ -1,0 +1,55 @@
+//! What `gmpcr register` does, in a program of your own: voxel size, scans, poses, warnings, files.
+//!
+//! ```text
+//! cargo run --release --example 02_folder -- path/to/scans out
+//! ```
+
+use std::env;
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+use gmpcr::io::{
+    ColoredCloud, Coordinates, distinct_color, read_points, scan_files, write_g2o,
+    write_merged_ply, write_poses_tum,
+};
+use gmpcr::{Cloud, Params, compute_features, register};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folders: Vec<String> = env::args().skip(1).collect();
+    let [scans, out] = folders.as_slice() else {
+        return Err("name a folder of scans, and one for the results".into());
+    };
+    let out = Path::new(out);
+    fs::create_dir_all(out)?;
+
+    // PLY, PCD, text or NPY; LAS, LAZ, E57 and NPZ are cargo features of gmpcr-io.
+    let files = scan_files(scans)?;
+    let clouds = files.iter().map(|file| Ok(read_points(file)?.into()));
+    let clouds = clouds.collect::<Result<Vec<Cloud>, Box<dyn Error>>>()?;
+
+    // Far coordinates and stray points are taken care of; all lengths follow from the voxel size.
+    let set = compute_features(clouds)?;
+    let params = Params::default().with_voxel_size(set.voxel_size);
+    let registration = set.in_cloud_frames(register(&set.scans, &params)?);
+
+    let scans = registration.components.largest();
+    println!("{} of {} scans in one frame", scans.len(), files.len());
+    for warning in registration.warnings(&params) {
+        println!("warning: {warning}");
+    }
+
+    let poses = registration.indexed_poses();
+    let stamped: Vec<_> = poses.iter().map(|&(k, pose)| (k as f64, pose)).collect();
+    write_poses_tum(out.join("poses.tum"), &stamped)?;
+    let graph = registration.posed_graph(&params);
+    write_g2o(out.join("posegraph.g2o"), &graph.to_g2o())?;
+    let cloud_from_local = set.cloud_from_local();
+    let merged = poses.iter().map(|&(k, world_from_scan)| ColoredCloud {
+        points: &set.clouds[k].points,
+        world_from_points: world_from_scan * cloud_from_local[k],
+        color: distinct_color(k),
+    });
+    write_merged_ply(out.join("merged.ply"), Coordinates::Double, merged)?;
+    Ok(())
+}
