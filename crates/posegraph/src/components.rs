@@ -1,3 +1,5 @@
+use crate::disjoint_sets::DisjointSets;
+
 /// The connected components of a graph: the sets of scans that can share a frame.
 ///
 /// ```
@@ -8,7 +10,14 @@
 /// assert_eq!(components.label(4), 0);
 /// assert_eq!(components.largest(), [0, 3, 4]);
 /// ```
+///
+/// In files they are the list of [`members`](Self::members).
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(into = "Members", try_from = "Members")
+)]
 pub struct Components {
     labels: Vec<usize>,
     members: Vec<Vec<usize>>,
@@ -21,15 +30,13 @@ impl Components {
     /// # Panics
     /// If an edge names a node outside `0..num_scans`.
     pub fn new(num_scans: usize, edges: impl IntoIterator<Item = (usize, usize)>) -> Self {
-        let mut parent: Vec<usize> = (0..num_scans).collect();
+        let mut sets = DisjointSets::new(num_scans);
         for (i, j) in edges {
-            let (i, j) = (root(&mut parent, i), root(&mut parent, j));
-            // The lower root wins, so that a root is the lowest node of its component.
-            parent[i.max(j)] = i.min(j);
+            sets.join(i, j);
         }
         let (mut labels, mut members) = (Vec::with_capacity(num_scans), Vec::new());
         for node in 0..num_scans {
-            let root = root(&mut parent, node);
+            let root = sets.lowest(node);
             let label = if root == node {
                 members.len()
             } else {
@@ -71,59 +78,33 @@ impl Components {
     }
 }
 
-/// The representative of a node's set; halves the path to it on the way.
-fn root(parent: &mut [usize], mut node: usize) -> usize {
-    while parent[node] != node {
-        parent[node] = parent[parent[node]];
-        node = parent[node];
+/// The components as they stand in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Members(Vec<Vec<usize>>);
+
+#[cfg(feature = "serde")]
+impl From<Components> for Members {
+    fn from(components: Components) -> Self {
+        Self(components.members)
     }
-    node
 }
 
-/// How well a selection of edges connects the scans: the columns of the paper's connectivity table
-/// (section "Pose Graph Connectivity Analysis"), for one scene.
-///
-/// ```
-/// use gmpcr_posegraph::Connectivity;
-///
-/// let figures = Connectivity::new(4, &[(0, 1), (1, 2)], 3);
-/// assert!(!figures.is_connected);
-/// assert_eq!((figures.num_components, figures.num_edges), (2, 2));
-/// assert_eq!((figures.largest_component_ratio, figures.reachability), (0.75, 0.25));
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Connectivity {
-    /// Whether all scans are in one component.
-    pub is_connected: bool,
-    /// Number of components, `C`; isolated scans count.
-    pub num_components: usize,
-    /// Share of the scans in the largest component, `LCC`.
-    pub largest_component_ratio: f64,
-    /// Share of the scans that can be reached from the reference scan, itself included, `R`.
-    pub reachability: f64,
-    /// Number of edges, `M`.
-    pub num_edges: usize,
-}
+#[cfg(feature = "serde")]
+impl TryFrom<Members> for Components {
+    type Error = &'static str;
 
-impl Connectivity {
-    /// Figures of the graph with nodes `0..num_scans` and undirected `edges`. The ratios of no
-    /// scans are 1, and so is the connectivity.
-    ///
-    /// # Panics
-    /// If an edge or, unless there are no scans, the reference is outside `0..num_scans`.
-    pub fn new(num_scans: usize, edges: &[(usize, usize)], reference: usize) -> Self {
-        let components = Components::new(num_scans, edges.iter().copied());
-        let sizes = components.members().iter().map(Vec::len);
-        let ratio = |size: Option<usize>| size.map_or(1.0, |size| size as f64 / num_scans as f64);
-        let reached =
-            (num_scans > 0).then(|| components.members()[components.label(reference)].len());
-        Self {
-            is_connected: components.members().len() <= 1,
-            num_components: components.members().len(),
-            largest_component_ratio: ratio(sizes.max()),
-            reachability: ratio(reached),
-            num_edges: edges.len(),
+    fn try_from(Members(members): Members) -> Result<Self, Self::Error> {
+        let num_scans = members.iter().map(Vec::len).sum();
+        if members.iter().flatten().any(|&node| node >= num_scans) {
+            return Err("the components do not number their scans without gaps");
         }
+        let joined = members.iter().flat_map(|nodes| nodes.windows(2));
+        let components = Self::new(num_scans, joined.map(|pair| (pair[0], pair[1])));
+        if components.members != members {
+            return Err("the components overlap or are not in ascending order");
+        }
+        Ok(components)
     }
 }
 
@@ -157,10 +138,27 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "serde")]
     #[test]
-    fn no_scans_are_connected() {
-        let figures = Connectivity::new(0, &[], 0);
-        assert!(figures.is_connected);
-        assert_eq!((figures.num_components, figures.reachability), (0, 1.0));
+    fn components_of_files_are_checked() {
+        let components = Components::new(4, [(1, 3)]);
+        let text = serde_json::to_string(&components).unwrap();
+        assert_eq!(text, "[[0],[1,3],[2]]");
+        assert_eq!(
+            serde_json::from_str::<Components>(&text).unwrap(),
+            components
+        );
+        for wrong in [
+            "[[1],[0]]",
+            "[[1,0]]",
+            "[[0],[2]]",
+            "[[0,1],[1]]",
+            "[[0],[]]",
+        ] {
+            assert!(
+                serde_json::from_str::<Components>(wrong).is_err(),
+                "{wrong}"
+            );
+        }
     }
 }

@@ -1,5 +1,10 @@
+use gmpcr_geometry::InvalidParameter;
+
+use crate::params::PoseGraphParams;
+
 /// A candidate scan pair and its raw geometric confidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ScoredPair {
     /// The lower scan index.
     pub i: usize,
@@ -9,23 +14,31 @@ pub struct ScoredPair {
     pub raw_confidence: f64,
 }
 
-/// The confidences of all candidate pairs of a set of scans, raw and normalised.
+/// The confidences of all candidate pairs of a set of scans, raw and normalized.
 ///
 /// ```
-/// use gmpcr_posegraph::{PairConfidences, ScoredPair};
+/// use gmpcr_posegraph::{PairConfidences, PoseGraphParams, ScoredPair};
 ///
 /// let pair = |i, j, raw_confidence| ScoredPair { i, j, raw_confidence };
 /// let pairs = vec![pair(0, 1, 3.0), pair(0, 2, 0.0), pair(1, 2, 4.0)];
 /// let confidences = PairConfidences::new(3, pairs)?;
 /// assert_eq!(confidences.normalized(), [0.6, 0.0, 0.8]);
-/// let edges = confidences.top_k_union(1);
+/// let edges = confidences.top_k_union(&PoseGraphParams { neighbors: 1 })?;
 /// assert_eq!(edges, [0, 2]); // positions in the list: (0, 1) and (1, 2)
-/// # Ok::<(), gmpcr_posegraph::ConfidenceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// In files they are the number of scans and the pairs with their raw confidences.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "ScoredPairs")
+)]
 pub struct PairConfidences {
     num_scans: usize,
     pairs: Vec<ScoredPair>,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     normalized: Vec<f64>,
 }
 
@@ -64,7 +77,7 @@ pub enum ConfidenceError {
 }
 
 impl PairConfidences {
-    /// Normalises the raw confidences of candidate pairs over all of them, `s = ŝ / ‖ŝ‖₂`; where
+    /// Normalizes the raw confidences of candidate pairs over all of them, `s = ŝ / ‖ŝ‖₂`; where
     /// all are zero they stay zero. The pairs need not be all pairs.
     ///
     /// # Errors
@@ -109,18 +122,23 @@ impl PairConfidences {
         &self.pairs
     }
 
-    /// The normalised confidences `s_ij`, one per pair.
+    /// The normalized confidences `s_ij`, one per pair.
     pub fn normalized(&self) -> &[f64] {
         &self.normalized
     }
 
-    /// Positions in [`pairs`](Self::pairs) of the union of the directed top-`k` neighbourhoods,
+    /// Positions in [`pairs`](Self::pairs) of the union of the directed top-K neighborhoods,
     /// ascending.
     ///
-    /// Each scan selects its `k` neighbours of highest confidence (ties: lower neighbour index); a
+    /// Each scan selects its `K` neighbors of highest confidence (ties: lower neighbor index); a
     /// pair that either scan selects is kept. Pairs of zero confidence are never selected, so that
-    /// a scan may have fewer neighbours, or none. `O(P)` for `P` pairs.
-    pub fn top_k_union(&self, k: usize) -> Vec<usize> {
+    /// a scan may have fewer neighbors, or none. `O(P)` for `P` pairs.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] if `params` are [out of range](PoseGraphParams::validate).
+    pub fn top_k_union(&self, params: &PoseGraphParams) -> Result<Vec<usize>, InvalidParameter> {
+        params.validate()?;
+        let k = params.neighbors;
         let mut neighborhoods = vec![Vec::new(); self.num_scans];
         for (position, pair) in self.pairs.iter().enumerate() {
             if pair.raw_confidence > 0.0 {
@@ -137,9 +155,25 @@ impl PairConfidences {
                 selected[position] = true;
             }
         }
-        (0..selected.len())
-            .filter(|&position| selected[position])
-            .collect()
+        let positions = (0..selected.len()).filter(|&position| selected[position]);
+        Ok(positions.collect())
+    }
+}
+
+/// The confidences as they stand in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct ScoredPairs {
+    num_scans: usize,
+    pairs: Vec<ScoredPair>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<ScoredPairs> for PairConfidences {
+    type Error = ConfidenceError;
+
+    fn try_from(ScoredPairs { num_scans, pairs }: ScoredPairs) -> Result<Self, ConfidenceError> {
+        Self::new(num_scans, pairs)
     }
 }
 
@@ -185,9 +219,14 @@ mod tests {
         })
     }
 
+    fn selected(confidences: &PairConfidences, neighbors: usize) -> Vec<usize> {
+        let params = PoseGraphParams { neighbors };
+        confidences.top_k_union(&params).unwrap()
+    }
+
     proptest! {
         #[test]
-        fn the_union_is_its_definition(c in confidences(), k in 0..10usize) {
+        fn the_union_is_its_definition(c in confidences(), k in 1..10usize) {
             let confidence = |i: usize, j: usize| {
                 let (i, j) = (i.min(j), i.max(j));
                 c.pairs().iter().find(|p| (p.i, p.j) == (i, j)).map_or(0.0, |p| p.raw_confidence)
@@ -205,17 +244,17 @@ mod tests {
                     selects(i, j) || selects(j, i)
                 })
                 .collect();
-            prop_assert_eq!(c.top_k_union(k), expected);
+            prop_assert_eq!(selected(&c, k), expected);
         }
 
         #[test]
-        fn a_larger_neighborhood_keeps_the_smaller_ones_edges(c in confidences(), k in 0..8usize) {
-            let larger = c.top_k_union(k + 1);
-            prop_assert!(c.top_k_union(k).iter().all(|p| larger.contains(p)));
+        fn a_larger_neighborhood_keeps_the_smaller_ones_edges(c in confidences(), k in 1..8usize) {
+            let larger = selected(&c, k + 1);
+            prop_assert!(selected(&c, k).iter().all(|p| larger.contains(p)));
         }
 
         #[test]
-        fn normalised_confidences_have_unit_norm_and_keep_their_order(c in confidences()) {
+        fn normalized_confidences_have_unit_norm_and_keep_their_order(c in confidences()) {
             let norm: f64 = c.normalized().iter().map(|s| s * s).sum();
             let all_zero = c.pairs().iter().all(|p| p.raw_confidence == 0.0);
             let expected = if all_zero { 0.0 } else { 1.0 };
@@ -227,11 +266,11 @@ mod tests {
     fn k_beyond_the_number_of_scans_keeps_every_positive_pair() {
         let pairs = vec![pair(0, 1, 1.0), pair(0, 2, 0.0), pair(1, 2, 2.0)];
         let c = PairConfidences::new(3, pairs).unwrap();
-        assert_eq!(c.top_k_union(usize::MAX), [0, 2]);
+        assert_eq!(selected(&c, usize::MAX), [0, 2]);
     }
 
     #[test]
-    fn huge_confidences_normalise_without_overflow() {
+    fn huge_confidences_normalize_without_overflow() {
         let pairs = [(0, 1), (0, 2), (1, 2), (1, 3)].map(|(i, j)| pair(i, j, 1.7e308));
         let c = PairConfidences::new(4, pairs.to_vec()).unwrap();
         assert_eq!(c.normalized(), [0.5; 4]);
@@ -241,8 +280,28 @@ mod tests {
     fn no_scan_and_one_scan_have_no_pairs() {
         for n in 0..2 {
             let c = PairConfidences::new(n, vec![]).unwrap();
-            assert!(c.top_k_union(6).is_empty());
+            assert!(selected(&c, 6).is_empty());
         }
+    }
+
+    #[test]
+    fn a_neighborhood_has_one_neighbor_at_least() {
+        let c = PairConfidences::new(2, vec![pair(0, 1, 1.0)]).unwrap();
+        let error = c.top_k_union(&PoseGraphParams { neighbors: 0 });
+        assert_eq!(error.unwrap_err().name, "neighbors");
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn confidences_of_files_are_checked() {
+        let pairs = vec![pair(0, 1, 1.5), pair(1, 2, 0.0)];
+        let confidences = PairConfidences::new(3, pairs).unwrap();
+        let text = serde_json::to_string(&confidences).unwrap();
+        let read: PairConfidences = serde_json::from_str(&text).unwrap();
+        assert_eq!(read, confidences);
+        let fewer_scans = text.replace(r#""num_scans":3"#, r#""num_scans":2"#);
+        let error = serde_json::from_str::<PairConfidences>(&fewer_scans).unwrap_err();
+        assert!(error.to_string().contains("pair (1, 2)"), "{error}");
     }
 
     #[test]

@@ -2,12 +2,14 @@ use nalgebra::Isometry3;
 
 /// A measured relative pose of two scans and how much it is trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PoseEdge {
-    /// The scan into whose frame the motion maps.
+    /// The scan into whose frame the relative pose maps.
     pub i: usize,
-    /// The scan from whose frame the motion maps.
+    /// The scan from whose frame the relative pose maps.
     pub j: usize,
-    /// The motion `T_ij ≈ T_i⁻¹ T_j`: `x_i = i_from_j * x_j`.
+    /// The relative pose `T_ij ≈ T_i⁻¹ T_j`: `x_i = i_from_j * x_j`.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub i_from_j: Isometry3<f64>,
     /// Initial weight `w_ij⁽⁰⁾`, in [0, 1e100]; only ratios between edges matter.
     pub weight: f64,
@@ -15,7 +17,8 @@ pub struct PoseEdge {
 
 /// Scans as nodes, measured relative poses as weighted edges.
 ///
-/// Edges may point either way, and two scans may share several.
+/// Edges may point either way, and two scans may share several. To change a graph, take its edges out
+/// and build it again, which checks them anew.
 ///
 /// ```
 /// use gmpcr_posegraph::{PoseEdge, PoseGraph};
@@ -26,9 +29,23 @@ pub struct PoseEdge {
 /// let graph = PoseGraph::new(3, vec![edge(0, 1), edge(1, 2)])?;
 /// assert_eq!((graph.num_scans(), graph.edges().len()), (3, 2));
 /// assert!(PoseGraph::new(2, vec![edge(1, 2)]).is_err());
+///
+/// // Distrust the first edge, remove the second, and add another.
+/// let num_scans = graph.num_scans();
+/// let mut edges = graph.into_edges();
+/// edges[0].weight = 0.1;
+/// edges.remove(1);
+/// edges.push(edge(0, 2));
+/// let graph = PoseGraph::new(num_scans, edges)?;
+/// assert_eq!((graph.edges()[0].weight, graph.edges()[1].j), (0.1, 2));
 /// # Ok::<(), gmpcr_posegraph::PoseGraphError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "UncheckedGraph")
+)]
 pub struct PoseGraph {
     num_scans: usize,
     edges: Vec<PoseEdge>,
@@ -64,9 +81,9 @@ pub enum PoseGraphError {
         /// Its weight.
         weight: f64,
     },
-    /// A motion has no unit quaternion, or a translation that is not a number within ±1e100.
+    /// A relative pose has no unit quaternion, or a translation that is not a number within ±1e100.
     #[error("edge ({i}, {j}) has no unit quaternion or a translation that is not within ±1e100")]
-    InvalidMotion {
+    InvalidRelativePose {
         /// First scan of the edge.
         i: usize,
         /// Second scan of the edge.
@@ -79,7 +96,7 @@ impl PoseGraph {
     ///
     /// # Errors
     /// [`PoseGraphError`] if an edge names a scan outside `0..num_scans`, joins a scan with itself,
-    /// or has a weight outside [0, 1e100] or a motion that is none.
+    /// or has a weight outside [0, 1e100] or a relative pose that is not rigid.
     pub fn new(num_scans: usize, edges: Vec<PoseEdge>) -> Result<Self, PoseGraphError> {
         edges
             .iter()
@@ -95,6 +112,30 @@ impl PoseGraph {
     /// The edges, in the order they were given.
     pub fn edges(&self) -> &[PoseEdge] {
         &self.edges
+    }
+
+    /// The edges, to be changed; see the example of [`PoseGraph`].
+    pub fn into_edges(self) -> Vec<PoseEdge> {
+        self.edges
+    }
+}
+
+/// The graph as it stands in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct UncheckedGraph {
+    num_scans: usize,
+    edges: Vec<PoseEdge>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<UncheckedGraph> for PoseGraph {
+    type Error = PoseGraphError;
+
+    fn try_from(
+        UncheckedGraph { num_scans, edges }: UncheckedGraph,
+    ) -> Result<Self, PoseGraphError> {
+        Self::new(num_scans, edges)
     }
 }
 
@@ -120,7 +161,7 @@ fn validate(edge: &PoseEdge, num_scans: usize) -> Result<(), PoseGraphError> {
     let is_rotation = (i_from_j.rotation.norm() - 1.0).abs() < 1e-6;
     let is_usable = |t: &f64| t.abs() <= LARGEST;
     if !(is_rotation && i_from_j.translation.vector.iter().all(is_usable)) {
-        return Err(PoseGraphError::InvalidMotion { i, j });
+        return Err(PoseGraphError::InvalidRelativePose { i, j });
     }
     Ok(())
 }
@@ -184,5 +225,25 @@ mod tests {
         };
         assert!(PoseGraph::new(2, vec![edge(0, 1), edge(1, 0), edge(0, 1)]).is_ok());
         assert!(PoseGraph::new(0, vec![]).is_ok());
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn graphs_of_files_are_checked() {
+        let edge = PoseEdge {
+            i: 1,
+            j: 0,
+            i_from_j: Isometry3::translation(1.0, -2.0, 0.5),
+            weight: 0.5,
+        };
+        let graph = PoseGraph::new(2, vec![edge]).unwrap();
+        let text = serde_json::to_string(&graph).unwrap();
+        assert_eq!(serde_json::from_str::<PoseGraph>(&text).unwrap(), graph);
+        let negative = text.replace(r#""weight":0.5"#, r#""weight":-0.5"#);
+        let error = serde_json::from_str::<PoseGraph>(&negative).unwrap_err();
+        assert!(
+            error.to_string().contains("edge (1, 0) has weight -0.5"),
+            "{error}"
+        );
     }
 }

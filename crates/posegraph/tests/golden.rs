@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use approx::assert_relative_eq;
-use gmpcr_posegraph::{Components, Connectivity, PairConfidences, ScoredPair};
+use gmpcr_posegraph::{Components, Connectivity, PairConfidences, PoseGraphParams, ScoredPair};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -24,11 +24,14 @@ fn confidences_edges_and_components_are_the_reference_ones() {
     };
     let confidences = PairConfidences::new(n, positions.iter().map(scored).collect()).unwrap();
     for (&(i, j), &confidence) in positions.iter().zip(confidences.normalized()) {
-        let expected = number(&golden["normalised"][i][j]);
+        let expected = number(&golden["normalized"][i][j]);
         assert_relative_eq!(confidence, expected, max_relative = 1e-9);
     }
     for (k, expected) in golden["top_k"].as_object().unwrap() {
-        let selected = confidences.top_k_union(k.parse().unwrap());
+        let params = PoseGraphParams {
+            neighbors: k.parse().unwrap(),
+        };
+        let selected = confidences.top_k_union(&params).unwrap();
         let edges: Vec<_> = selected.iter().map(|&p| positions[p]).collect();
         let expected_edges: Vec<(usize, usize)> =
             serde_json::from_value(expected["edges"].clone()).unwrap();
