@@ -48,6 +48,22 @@ pub fn remove_stray_points(points: &mut Vec<Point3<f64>>, voxel_size: f64) -> us
     before - points.len()
 }
 
+/// Size of the box around the points, along each axis; zero of no points.
+///
+/// ```
+/// use gmpcr_features::extent;
+/// use nalgebra::{Point3, Vector3};
+///
+/// let points = [Point3::new(1.0, 2.0, 3.0), Point3::new(-1.0, 2.5, 3.0)];
+/// assert_eq!(extent(&points), Vector3::new(2.0, 0.5, 0.0));
+/// ```
+pub fn extent(points: &[Point3<f64>]) -> Vector3<f64> {
+    let coordinates = || points.iter().map(|point| point.coords);
+    let min = coordinates().reduce(|a, b| a.inf(&b)).unwrap_or_default();
+    let max = coordinates().reduce(|a, b| a.sup(&b)).unwrap_or_default();
+    max - min
+}
+
 /// How far a cloud is from zero, relative to its size: the distance of its [median point](median_point)
 /// from zero, divided by the median distance of its points from there.
 ///

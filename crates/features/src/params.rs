@@ -77,7 +77,7 @@ impl FeatureParams {
     /// The customary radii for a cloud with one point per voxel: two voxels for normals, five for
     /// descriptors, with at most 30 and 100 neighbors.
     ///
-    /// Five centimetres suit rooms scanned by depth cameras, as in the 3DMatch benchmark.
+    /// Five centimeters suit rooms scanned by depth cameras, as in the 3DMatch benchmark.
     #[must_use]
     pub fn from_voxel_size(voxel_size: f64) -> Self {
         Self {
@@ -92,6 +92,24 @@ impl FeatureParams {
                 max_neighbors: 100,
             },
         }
+    }
+
+    /// The same parameters for a cloud in another unit: every length, and the viewpoint, times `factor`. So
+    /// parameters in voxels become parameters in the unit of a cloud.
+    ///
+    /// ```
+    /// use gmpcr_features::FeatureParams;
+    ///
+    /// let in_voxels = FeatureParams::from_voxel_size(1.0);
+    /// assert_eq!(in_voxels.scaled(0.05), FeatureParams::from_voxel_size(0.05));
+    /// ```
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.voxel_size *= factor;
+        self.normals.radius *= factor;
+        self.normals.viewpoint *= factor;
+        self.fpfh.radius *= factor;
+        self
     }
 
     /// Checks that every parameter is in its range.

@@ -11,17 +11,14 @@ impl Registration {
         let edges = self.edges.iter().map(|edge| {
             (edge.i, edge.j, edge.synchronization.final_weight)
         });
-        let mut forest = maximum_spanning_forest(self.ids.len(), &edges.collect::<Vec<_>>());
-        forest.reverse();
-        forest
+        maximum_spanning_forest(self.ids.len(), edges)
     }
 
     /// The [trusted](Edge::is_trusted) edges that alone connect two parts of a component, weakest first, each
     /// with the smaller part: no other edge confirms where those scans are. `O(N + E)`.
     pub fn bridges(&self) -> Vec<Bridge> {
         let trusted = self.trusted_edges();
-        let ends: Vec<_> = trusted.iter().map(|&k| self.ends(k)).collect();
-        let mut bridges = bridges(self.ids.len(), &ends);
+        let mut bridges = bridges(self.ids.len(), trusted.iter().map(|&k| self.ends(k)));
         for bridge in &mut bridges {
             bridge.edge = trusted[bridge.edge];
         }

@@ -1,5 +1,6 @@
-use gmpcr_correspondence::{CorrespondenceError, DescriptorsError, DimensionsDiffer, ScanError};
+use gmpcr_correspondence::{CorrespondenceError, DescriptorsError, ScanError};
 use gmpcr_geometry::InvalidParameter;
+use gmpcr_retrieval::RetrievalError;
 
 use crate::{MAX_CORRESPONDENCES, ScanId, Stage};
 
@@ -36,6 +37,12 @@ pub enum Error {
     /// A parameter is out of range; it is named by its path within [`Params`](crate::Params).
     #[error(transparent)]
     Parameter(#[from] InvalidParameter),
+    /// Two scans cannot be matched, for another reason.
+    #[error(transparent)]
+    Correspondence(CorrespondenceError),
+    /// Pairs of scans cannot be retrieved.
+    #[error(transparent)]
+    Retrieval(#[from] RetrievalError),
     /// Given correspondences belong to no two scans.
     #[error("correspondences of scans ({i}, {j}): a pair must have i < j < {num_scans}")]
     MatchedPair {
@@ -100,7 +107,7 @@ impl Error {
                 scan: j,
                 dimension: differ.j,
             },
-            CorrespondenceError::Parameter(error) => Self::Parameter(error),
+            other => Self::Correspondence(other),
         }
     }
 }

@@ -47,13 +47,9 @@ impl PairRegistration {
     /// deviation of a coordinate: order and tangent are those of [`information_matrix`]. `None` without a
     /// transformation.
     pub fn information(&self, inlier_threshold: f64) -> Option<Matrix6<f64>> {
-        let pose = self.estimate.pose.as_ref()?;
+        self.estimate.pose.as_ref()?;
         let inliers = self.inlier_pairs(inlier_threshold);
-        Some(information_matrix(
-            &inliers,
-            &pose.target_from_source,
-            inlier_threshold,
-        ))
+        Some(information_matrix(&inliers, inlier_threshold))
     }
 }
 

@@ -1,9 +1,9 @@
 use gmpcr_correspondence::{Descriptors, Scan};
 use gmpcr_features::{
     self as features, FPFH_DIMENSION, FeatureParams, LocalCloud, common_voxel_size,
-    estimate_voxel_size, localize_georeferenced,
+    estimate_voxel_size, localize_georeferenced, remove_stray_points,
 };
-use nalgebra::{Isometry3, Point3, Translation3};
+use nalgebra::{Isometry3, Point3};
 use rayon::prelude::*;
 
 use crate::progress::StageProgress;
@@ -165,13 +165,15 @@ impl ScanSet {
     /// # Panics
     /// If a scan does not exist.
     pub fn between_clouds(&self, i: usize, i_from_j: &Isometry3<f64>, j: usize) -> Isometry3<f64> {
-        cloud_from_local(&self.clouds[i]) * i_from_j * cloud_from_local(&self.clouds[j]).inverse()
+        let [of_i, of_j] = [i, j].map(|scan| self.clouds[scan].original_from_local());
+        of_i * i_from_j * of_j.inverse()
     }
 
     /// From the coordinates of [`clouds`](Self::clouds) and [`scans`](Self::scans) to those that the clouds came
     /// in.
     pub fn cloud_from_local(&self) -> Vec<Isometry3<f64>> {
-        self.clouds.iter().map(cloud_from_local).collect()
+        let clouds = self.clouds.iter();
+        clouds.map(LocalCloud::original_from_local).collect()
     }
 }
 
@@ -191,10 +193,6 @@ pub fn compute_scan(
         .ok()
         .and_then(|descriptors| Scan::new(features.points, descriptors).ok())
         .expect("features are finite, one row per point"))
-}
-
-fn cloud_from_local(cloud: &LocalCloud) -> Isometry3<f64> {
-    Translation3::from(cloud.origin).into()
 }
 
 fn localized(clouds: Vec<Cloud>) -> Vec<LocalCloud> {
@@ -222,8 +220,7 @@ fn voxel_size_of(
     };
     let estimates = clouds.par_iter().enumerate().map(estimate);
     let estimates: Vec<Option<f64>> = estimates.collect::<Result<_, _>>()?;
-    let estimates: Vec<f64> = estimates.into_iter().flatten().collect();
-    common_voxel_size(&estimates).ok_or(Error::NoExtent)
+    common_voxel_size(estimates.into_iter().flatten()).ok_or(Error::NoExtent)
 }
 
 /// Stray points left out, and the scan of the others.
@@ -231,7 +228,7 @@ fn scan_of(
     cloud: &mut LocalCloud,
     params: &FeatureParams,
 ) -> (usize, Result<Scan, features::Error>) {
-    let num_strays = cloud.remove_strays(params.voxel_size);
+    let num_strays = remove_stray_points(&mut cloud.points, params.voxel_size);
     let mut params = *params;
     params.normals.viewpoint = cloud.viewpoint;
     (num_strays, compute_scan(&cloud.points, &params))

@@ -151,12 +151,12 @@ impl Registration {
     fn single_connections(&self) -> impl Iterator<Item = Warning> {
         let size = |scan: usize| self.components.members()[self.components.label(scan)].len();
         let mut bridges = self.bridges();
-        bridges.retain(|bridge| size(bridge.nodes[0]) > 2);
+        bridges.retain(|bridge| size(bridge.smaller_side[0]) > 2);
         let inlier_ratio = |bridge: &Bridge| self.edges[bridge.edge].inlier_ratio;
         bridges.sort_by(|a, b| inlier_ratio(a).total_cmp(&inlier_ratio(b)));
         bridges.into_iter().map(|bridge| Warning::Bridge {
             edge: bridge.edge,
-            scans: bridge.nodes,
+            scans: bridge.smaller_side,
         })
     }
 
