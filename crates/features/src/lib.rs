@@ -37,7 +37,7 @@
 //! use gmpcr_features::{FeatureParams, compute_features};
 //! use nalgebra::Point3;
 //!
-//! // A sheet of 60 cm x 60 cm, one meter in front of the sensor, a point every centimetre.
+//! // A sheet of 60 cm x 60 cm, one meter in front of the sensor, a point every centimeter.
 //! let cloud: Vec<_> = (0..3600)
 //!     .map(|k| Point3::new((k % 60) as f64 * 0.01, (k / 60) as f64 * 0.01, 1.0))
 //!     .collect();

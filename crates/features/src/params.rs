@@ -77,7 +77,7 @@ impl FeatureParams {
     /// The customary radii for a cloud with one point per voxel: two voxels for normals, five for
     /// descriptors, with at most 30 and 100 neighbors.
     ///
-    /// Five centimetres suit rooms scanned by depth cameras, as in the 3DMatch benchmark.
+    /// Five centimeters suit rooms scanned by depth cameras, as in the 3DMatch benchmark.
     #[must_use]
     pub fn from_voxel_size(voxel_size: f64) -> Self {
         Self {
