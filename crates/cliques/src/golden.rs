@@ -53,7 +53,7 @@ fn second_order(pairs: &PointPairs, tolerance: f64) -> DMatrix<f64> {
 }
 
 #[test]
-fn cliques_motions_and_support_are_the_reference_ones() {
+fn cliques_transformations_and_support_are_the_reference_ones() {
     for case in cases() {
         let pairs = retained_pairs(&case);
         let scg = second_order(&pairs, number(&case["tau_c"]));

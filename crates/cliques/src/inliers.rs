@@ -32,6 +32,19 @@ pub fn inliers(
 /// `IR = |{m : ‖x_m^i − (R x_m^j + t)‖ < τ_in}| / M`; zero of an empty set.
 ///
 /// It counts the [`inliers`].
+///
+/// ```
+/// use gmpcr_cliques::inlier_ratio;
+/// use gmpcr_geometry::PointPairs;
+/// use nalgebra::{Isometry3, Point3};
+///
+/// let points = [0.0, 1.0, 2.0, 3.0].map(|x| Point3::new(x, 0.0, 0.0)).to_vec();
+/// let mut target = points.clone();
+/// target[3].y = 7.0;
+/// let pairs = PointPairs::new(target, points)?;
+/// assert_eq!(inlier_ratio(&pairs, &Isometry3::identity(), 0.1), 0.75);
+/// # Ok::<(), gmpcr_geometry::PairsError>(())
+/// ```
 pub fn inlier_ratio(
     pairs: &PointPairs,
     target_from_source: &Isometry3<f64>,

@@ -49,7 +49,7 @@ mod files {
     fn filter(params: &CompatibilityParams) -> Result<SpectralFilter, Box<dyn std::error::Error>> {
         let points = |scale: f64| {
             (0..9)
-                .map(move |k| f64::from(k))
+                .map(f64::from)
                 .map(move |k| Point3::new(k.sin(), (2.0 * k).cos(), scale * k))
         };
         let pairs = PointPairs::new(points(0.1).collect(), points(0.11).collect())?;

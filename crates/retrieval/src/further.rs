@@ -1,12 +1,14 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
+use gmpcr_geometry::InvalidParameter;
 use gmpcr_posegraph::PairConfidences;
 
-use crate::{RetrievalParams, union};
+use crate::RetrievalParams;
+use crate::candidates::union;
 
 /// Pairs that are not scored yet, of which either scan proposes the other because they have confident
-/// neighbors in common; `(i, j)`, `i < j`, ascending.
+/// neighbors in common: `(i, j)`, `i < j`, ascending.
 ///
 /// Two scans are neighbors where either is among the `k = candidates_per_expansion` most confident of the
 /// other ([`PairConfidences::top_k_union`]). Scan `i` proposes the `k` scans of largest `Σ s_im s_mj` over the neighbors `m` of both. Pairs of
@@ -16,6 +18,9 @@ use crate::{RetrievalParams, union};
 /// An empty result says that further rounds have nothing to add, as where there are fewer scans than
 /// [`RetrievalParams::min_scans`] and all pairs were candidates.
 ///
+/// # Errors
+/// [`InvalidParameter`] if a parameter is out of range.
+///
 /// ```
 /// use gmpcr_posegraph::{PairConfidences, ScoredPair};
 /// use gmpcr_retrieval::{RetrievalParams, further_pairs};
@@ -24,12 +29,16 @@ use crate::{RetrievalParams, union};
 /// let scored = scored.map(|(i, j, raw_confidence)| ScoredPair { i, j, raw_confidence });
 /// let scored = PairConfidences::new(4, scored.to_vec())?;
 /// let params = RetrievalParams { min_scans: 0, ..RetrievalParams::default() };
-/// assert_eq!(further_pairs(&scored, &params), [(0, 2)]);
-/// # Ok::<(), gmpcr_posegraph::ConfidenceError>(())
+/// assert_eq!(further_pairs(&scored, &params)?, [(0, 2)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn further_pairs(scored: &PairConfidences, params: &RetrievalParams) -> Vec<(usize, usize)> {
+pub fn further_pairs(
+    scored: &PairConfidences,
+    params: &RetrievalParams,
+) -> Result<Vec<(usize, usize)>, InvalidParameter> {
+    params.validate()?;
     if scored.num_scans() < params.min_scans {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let max_candidates = params.candidates_per_expansion;
     let neighborhoods = neighborhoods(scored, max_candidates);
@@ -39,7 +48,7 @@ pub fn further_pairs(scored: &PairConfidences, params: &RetrievalParams) -> Vec<
         affinities.retain(|&(other, _)| is_new(other));
         best(affinities, max_candidates)
     });
-    union(proposals).into_iter().collect()
+    Ok(union(proposals).into_iter().collect())
 }
 
 /// A scan and how strong the tie to it is.

@@ -11,9 +11,9 @@ pub(crate) struct Rows {
 
 impl Rows {
     pub(crate) fn new(scans: &[&Descriptors]) -> Result<Self, DimensionsDiffer> {
-        let mut described = scans.iter().filter(|scan| !scan.is_empty());
-        let dimension = described.next().map_or(1, |first| first.dimension());
-        if let Some(other) = described.find(|other| other.dimension() != dimension) {
+        let mut filled = scans.iter().filter(|scan| !scan.is_empty());
+        let dimension = filled.next().map_or(1, |first| first.dimension());
+        if let Some(other) = filled.find(|other| other.dimension() != dimension) {
             return Err(DimensionsDiffer {
                 i: dimension,
                 j: other.dimension(),

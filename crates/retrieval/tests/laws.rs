@@ -6,10 +6,14 @@ use std::collections::BTreeSet;
 
 use gmpcr_correspondence::{Descriptors, DimensionsDiffer};
 use gmpcr_posegraph::{PairConfidences, ScoredPair};
-use gmpcr_retrieval::{Index, RetrievalParams, candidate_pairs, further_pairs};
+use gmpcr_retrieval::{Index, RetrievalError, RetrievalParams, candidate_pairs};
 use proptest::prelude::*;
 
 type Pair = (usize, usize);
+
+fn further_pairs(scored: &PairConfidences, params: &RetrievalParams) -> Vec<Pair> {
+    gmpcr_retrieval::further_pairs(scored, params).unwrap()
+}
 
 /// A fixed number in (−1, 1) that looks random.
 fn scattered(k: usize) -> f32 {
@@ -22,7 +26,7 @@ fn scan(num_rows: usize, dimension: usize, salt: usize) -> Descriptors {
     Descriptors::new(values.collect(), dimension).unwrap()
 }
 
-/// Scans of which each shares half of its descriptors with the next.
+/// Scans of which each has half of its descriptors in common with the next.
 fn chain(num_scans: usize, num_rows: usize) -> Vec<Descriptors> {
     let dimension = 8;
     let world = scan((num_scans + 1) * num_rows / 2, dimension, 0);
@@ -69,7 +73,7 @@ fn scored(num_scans: usize, pairs: &[Pair], confidence: impl Fn(Pair) -> f64) ->
 }
 
 #[test]
-fn scans_that_share_descriptors_propose_each_other() {
+fn scans_with_common_descriptors_propose_each_other() {
     let scans = chain(60, 40);
     let pairs = candidate_pairs(&references(&scans), &per_scan(2)).unwrap();
     let expected: Vec<_> = (0..59).map(|k| (k, k + 1)).collect();
@@ -86,7 +90,7 @@ fn another_order_of_the_scans_gives_the_same_candidates() {
         Index::new(&reordered).unwrap(),
     );
     for (place, &scan) in order.iter().enumerate() {
-        // The two scans that share descriptors with it; behind them come equal numbers of votes.
+        // The two scans that have descriptors in common with it; behind them come equal numbers of votes.
         let num_partners = if scan == 0 || scan == 49 { 1 } else { 2 };
         let partners = |index: &Index, scan, name: &dyn Fn(usize) -> usize| -> BTreeSet<usize> {
             index
@@ -205,7 +209,7 @@ fn descriptors_that_overflow_are_compared_too() {
 #[test]
 fn different_dimensions_do_not_compare() {
     let (a, b) = (scan(3, 33, 0), scan(3, 32, 1));
-    let differ = DimensionsDiffer { i: 33, j: 32 };
+    let differ = RetrievalError::DimensionsDiffer(DimensionsDiffer { i: 33, j: 32 });
     assert_eq!(candidate_pairs(&[&a, &b], &per_scan(3)), Err(differ));
 }
 
@@ -287,9 +291,9 @@ fn scans() -> impl Strategy<Value = Vec<Descriptors>> {
 
 proptest! {
     #[test]
-    fn candidates_are_other_described_scans_and_pairs_their_union(
+    fn candidates_are_other_scans_with_descriptors_and_pairs_their_union(
         scans in scans(),
-        candidates_per_scan in 0..25usize,
+        candidates_per_scan in 1..25usize,
     ) {
         let index = Index::new(&references(&scans)).unwrap();
         let mut union = BTreeSet::new();
