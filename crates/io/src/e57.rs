@@ -16,11 +16,11 @@ use crate::{Error, PointFile, rigid};
 pub struct E57Scan {
     /// The name that the file gives the scan.
     pub name: Option<String>,
-    /// The points in the frame of the scan, as stored, in metres: the scanner stood in the origin.
+    /// The points in the frame of the scan, as stored, in meters: the scanner stood in the origin.
     /// (Some programs store all scans in the frame of the file already, and no pose.)
     pub points: PointFile,
-    /// The pose that the file gives the scan, which maps its points into the frame that all scans of
-    /// the file share; the identity if the file gives none.
+    /// The pose that the file gives the scan, which maps its points into the frame of
+    /// the file, which is that of all its scans; the identity if the file gives none.
     pub file_from_scan: Isometry3<f64>,
 }
 

@@ -27,7 +27,7 @@ pub enum Error {
         path: PathBuf,
         /// Line of the file, counted from 1, where the format has lines.
         line: Option<usize>,
-        /// What is wrong and what would be right.
+        /// What the problem is, and what would be allowed.
         reason: String,
         /// The error of the parser underneath, if it was the one to notice.
         source: Option<Box<dyn StdError + Send + Sync>>,
@@ -39,7 +39,7 @@ pub enum Error {
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// What the problem is.
         reason: String,
     },
 
@@ -93,7 +93,7 @@ pub enum Error {
     Incomplete {
         /// The folder of the scene, or of its descriptors.
         folder: PathBuf,
-        /// What is wrong, a clause for each kind of problem. Each names its files, relative to the
+        /// The problems, a clause for each kind. Each names its files, relative to the
         /// folder where they are inside, and cuts long lists after a few: "and 7 more".
         problems: Vec<String>,
     },

@@ -35,7 +35,7 @@ pub fn read_las(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     check_extended_record(&mut source, &header)?;
     if is_compressed(&header) {
         #[cfg(feature = "laz")]
-        return crate::laz::check(&mut source, &header).and_then(|()| {
+        return crate::laz::check(&mut source, &header, num_points(&header)).and_then(|()| {
             source.seek(0)?;
             crate::laz::guard(path, || read_all(path, source.reader))
         });
@@ -76,7 +76,7 @@ fn is_compressed(header: &Header) -> bool {
 }
 
 /// How many points the header announces, as the reader takes it: the 32 bits of old versions first.
-pub(crate) fn num_points(header: &Header) -> u64 {
+fn num_points(header: &Header) -> u64 {
     let large = header
         .large_file
         .map_or(0, |large| large.number_of_point_records);

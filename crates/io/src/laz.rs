@@ -12,7 +12,6 @@ use ::laz::laszip::ChunkTable;
 use ::laz::{LazItemRecordBuilder, LazVlr};
 
 use crate::bytes::Source;
-use crate::las::num_points;
 use crate::{Error, PointFile};
 
 /// Of the symbols that tell a point from the one before, three are never left out, and none takes less
@@ -21,10 +20,9 @@ const MOST_POINTS_OF_A_BYTE: u64 = 1000;
 
 /// Makes sure that the decompressor can follow the file: it reserves what sizes of tables and layers
 /// say, and looks up chunks without asking whether they exist.
-pub(crate) fn check(source: &mut Source, header: &raw::Header) -> Result<(), Error> {
+pub(crate) fn check(source: &mut Source, header: &raw::Header, points: u64) -> Result<(), Error> {
     let path = source.path;
     let fault = |reason: &str| Err(Error::malformed(path, reason));
-    let points = num_points(header);
     let record = u64::from(header.point_data_record_length);
     if points > MOST_POINTS_OF_A_BYTE.saturating_mul(source.length()) {
         let reason = format!("{} bytes cannot unpack to {points} points", source.length());

@@ -55,13 +55,17 @@
 mod atomic;
 mod benchmark;
 mod bytes;
+mod clouds;
+mod color;
 mod dataset;
 mod descriptors;
 #[cfg(feature = "e57")]
 mod e57;
 mod error;
 mod folder;
+mod formats;
 mod g2o;
+mod g2o_graph;
 #[cfg(feature = "las")]
 mod las;
 #[cfg(feature = "laz")]
@@ -70,41 +74,46 @@ mod merged;
 mod npy;
 #[cfg(feature = "npz")]
 mod npz;
+mod open3d;
 mod pcd;
 mod ply;
 mod points;
-mod posegraph_json;
+mod pose_matrix;
+mod posed_graph;
 mod poses;
 mod rigid;
 mod rows;
 mod text;
+mod world_poses;
 mod xyz;
 
 pub use atomic::write_text;
 pub use benchmark::{InfoEntry, LogEntry, read_gt_info, read_gt_log, write_gt_log};
+pub use clouds::scan_files;
+pub use color::distinct_color;
 pub use dataset::{
-    Layout, PairList, PairOverlap, Scene, SceneScan, SceneTruth, read_overlaps, read_scene,
-    scene_folders,
+    GroundTruth, Layout, PairList, PairOverlap, Scene, SceneScan, descriptor_files_of_clouds,
+    read_overlaps, read_scene, scene_folders,
 };
-pub use descriptors::{Descriptors, read_descriptors, read_keypoints};
+pub use descriptors::{DescriptorFiles, descriptor_files};
 #[cfg(feature = "e57")]
 pub use e57::{E57Scan, read_e57};
 pub use error::Error;
-pub use folder::{DescriptorFiles, descriptor_files, scan_files};
+pub use formats::read_points;
 pub use g2o::{G2o, G2oEdge, G2oVertex, read_g2o, write_g2o};
+pub use g2o_graph::{G2oGraphError, G2oPoseGraph};
 #[cfg(feature = "las")]
 pub use las::read_las;
-pub use merged::{Coordinates, distinct_color, write_merged_ply};
+pub use merged::{ColoredCloud, Coordinates, write_merged_ply};
 pub use npy::{NpyMatrix, read_npy_matrix};
+pub use open3d::{Open3dEdge, Open3dPoseGraph, read_open3d_pose_graph, write_open3d_pose_graph};
 pub use pcd::read_pcd;
 pub use ply::read_ply;
-pub use points::{PointFile, read_points};
-pub use posegraph_json::{
-    Open3dEdge, Open3dPoseGraph, read_open3d_pose_graph, write_open3d_pose_graph,
-};
-pub use poses::{
-    read_pose_matrix, read_poses, read_poses_3x4, read_poses_tum, write_poses_3x4, write_poses_tum,
-};
+pub use points::PointFile;
+pub use pose_matrix::read_pose_matrix;
+pub use posed_graph::{MeasuredEdge, PosedGraph, PosedGraphError};
+pub use poses::{read_poses, read_poses_tum, write_poses_3x4, write_poses_tum};
+pub use world_poses::read_world_poses;
 pub use xyz::read_xyz;
 
 #[cfg(doctest)]

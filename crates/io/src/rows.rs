@@ -1,6 +1,6 @@
 //! Rows of numbers in the text payload of point files.
 //!
-//! Organised clouds are full of `nan`, which programs spell in many ways.
+//! Organized clouds are full of `nan`, which programs spell in many ways.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};

@@ -89,7 +89,7 @@ impl<'a> Line<'a> {
         Ok(numbers)
     }
 
-    /// Nothing may follow: an unnoticed extra column would shift the meaning of all others.
+    /// Nothing may follow: an unnoticed extra column would change the meaning of all others.
     pub(crate) fn end(&mut self) -> Result<(), Error> {
         match self.words.next() {
             None => Ok(()),
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_words_are_named_with_their_line() {
+    fn unexpected_words_are_named_with_their_line() {
         let error = only_line("\nabc").index("the scan").unwrap_err();
         let said = "file:2: the scan is \"abc\", not a whole number from 0 on";
         assert_eq!(error.to_string(), said);

@@ -181,7 +181,7 @@ impl Numbered {
         );
     }
 
-    /// Scans that a file of the truth names are to be there. Those within the sequence are reported
+    /// Scans that a file of the ground truth names are to be there. Those within the sequence are reported
     /// with it.
     pub(super) fn check_named(
         &self,

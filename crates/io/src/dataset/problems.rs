@@ -1,4 +1,4 @@
-//! What is wrong with a scene, gathered before it is told.
+//! The problems of a scene, gathered before they are told.
 
 use std::path::{Path, PathBuf};
 

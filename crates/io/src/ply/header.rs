@@ -3,7 +3,7 @@
 //! The parser crate refuses names of properties that are no identifiers, blank lines, and bytes
 //! that are no text, all of which occur in files of common programs and matter to nobody here.
 
-use super::{NORMAL, axis};
+use super::names::{NORMAL, axis};
 
 /// Whether the line ends the header.
 pub(super) fn is_last_line(line: &str) -> bool {

@@ -10,32 +10,36 @@ use crate::atomic::write_atomically;
 use crate::text::read_text;
 use crate::{Error, rigid};
 
-/// A pose graph of Open3D: poses, and relative motions between them.
+/// A pose graph of Open3D: poses, and relative poses between them.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Open3dPoseGraph {
     /// `world_from_scan` of each scan.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows::list"))]
     pub nodes: Vec<Isometry3<f64>>,
-    /// The measured motions.
+    /// The measured relative poses.
     pub edges: Vec<Open3dEdge>,
 }
 
-/// A measured motion between two scans.
+/// A measured relative pose of two scans.
 ///
 /// A perfect one satisfies `target_from_source = world_from_target^-1 * world_from_source`.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Open3dEdge {
-    /// The scan that is moved, a place in [`Open3dPoseGraph::nodes`].
+    /// The scan whose coordinates are mapped, a place in [`Open3dPoseGraph::nodes`].
     pub source: usize,
-    /// The scan into whose frame it is moved, a place in [`Open3dPoseGraph::nodes`].
+    /// The scan into whose frame they are mapped, a place in [`Open3dPoseGraph::nodes`].
     pub target: usize,
-    /// The motion from the frame of the source to that of the target.
+    /// The transformation from the frame of the source to that of the target.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub target_from_source: Isometry3<f64>,
     /// The information matrix in the order rotation, translation, as Open3D computes and reads it.
     /// (g2o has translation first: swap the two halves of rows and columns.)
     pub information: Matrix6<f64>,
     /// Whether Open3D may doubt the edge. It takes edges of odometry as certain, loops as uncertain.
     pub uncertain: bool,
-    /// How much Open3D's optimisation believed an uncertain edge, from 0 to 1; 1 before it ran.
+    /// How much Open3D's optimization believed an uncertain edge, from 0 to 1; 1 before it ran.
     pub confidence: f64,
 }
 
@@ -92,7 +96,7 @@ const EDGE: &str = "PoseGraphEdge";
 
 fn graph_value(graph: &Open3dPoseGraph) -> Result<Value, String> {
     let nodes = (0..).zip(&graph.nodes).map(|(k, world_from_scan)| {
-        let pose = motion_value(world_from_scan);
+        let pose = matrix_value(world_from_scan);
         let pose = pose.ok_or_else(|| format!("node {k} is not finite"))?;
         Ok(json!({ "class_name": NODE, "version_major": 1, "version_minor": 0, "pose": pose }))
     });
@@ -116,15 +120,15 @@ fn edge_value(edge: &Open3dEdge) -> Option<Value> {
         "version_minor": 0,
         "source_node_id": edge.source,
         "target_node_id": edge.target,
-        "transformation": motion_value(&edge.target_from_source)?,
+        "transformation": matrix_value(&edge.target_from_source)?,
         "information": finite(edge.information.as_slice())?,
         "uncertain": edge.uncertain,
         "confidence": finite(&[edge.confidence])?[0],
     }))
 }
 
-fn motion_value(motion: &Isometry3<f64>) -> Option<Vec<f64>> {
-    finite(motion.to_homogeneous().as_slice())
+fn matrix_value(transformation: &Isometry3<f64>) -> Option<Vec<f64>> {
+    finite(transformation.to_homogeneous().as_slice())
 }
 
 /// JSON has no numbers that are not finite.
@@ -152,7 +156,7 @@ fn check_ends(edge: &Open3dEdge, num_nodes: usize) -> Result<(), String> {
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is no JSON of class
-/// `PoseGraph`, if an entry is missing or of another kind, if a matrix is off any rigid motion by more
+/// `PoseGraph`, if an entry is missing or of another kind, if a matrix is off any rigid transformation by more
 /// than 0.01 in an entry, or if an edge names a node that is not in the file; the message tells which.
 pub fn read_open3d_pose_graph(path: impl AsRef<Path>) -> Result<Open3dPoseGraph, Error> {
     let path = path.as_ref();
@@ -179,7 +183,7 @@ fn graph(value: &Value) -> Result<Open3dPoseGraph, String> {
 
 fn node(value: &Value) -> Result<Isometry3<f64>, String> {
     check_class(value, NODE)?;
-    motion(value, "pose")
+    transformation(value, "pose")
 }
 
 fn edge(value: &Value, num_nodes: usize) -> Result<Open3dEdge, String> {
@@ -192,7 +196,7 @@ fn edge(value: &Value, num_nodes: usize) -> Result<Open3dEdge, String> {
     let edge = Open3dEdge {
         source: index(value, "source_node_id")?,
         target: index(value, "target_node_id")?,
-        target_from_source: motion(value, "transformation")?,
+        target_from_source: transformation(value, "transformation")?,
         information: Matrix6::from_column_slice(&numbers::<36>(value, "information")?),
         uncertain: uncertain.ok_or("\"uncertain\" is neither true nor false")?,
         confidence: confidence.ok_or("\"confidence\" is no number")?,
@@ -228,7 +232,7 @@ fn numbers<const N: usize>(value: &Value, key: &str) -> Result<[f64; N], String>
         .ok_or_else(|| format!("{key:?} is no list of {N} numbers"))
 }
 
-fn motion(value: &Value, key: &str) -> Result<Isometry3<f64>, String> {
+fn transformation(value: &Value, key: &str) -> Result<Isometry3<f64>, String> {
     let columns = numbers::<16>(value, key)?;
     let entry = |row: usize, column: usize| columns[4 * column + row];
     let named = |reason: String| format!("{key:?}: {reason}");
