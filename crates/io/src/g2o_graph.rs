@@ -131,11 +131,8 @@ impl G2oPoseGraph {
             num_nodes,
             "a pose per node is needed"
         );
-        assert_eq!(
-            components.labels().len(),
-            num_nodes,
-            "a component per node is needed"
-        );
+        let num_members: usize = components.members().iter().map(Vec::len).sum();
+        assert_eq!(num_members, num_nodes, "a component per node is needed");
         let mut file_from_node = world_from_node.to_vec();
         for nodes in components.members() {
             let in_file = |&node: &usize| Some((node, self.initial_poses[node]?));

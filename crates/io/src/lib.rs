@@ -1,22 +1,27 @@
-//! Point clouds, descriptors, poses and pose graphs in the files that people already have.
+//! Reads and writes point clouds, descriptors, poses and pose graphs in the usual file formats.
 //!
-//! Registration of scans has data before it and results after it. This crate reads the one and
-//! writes the other as plain values, [`nalgebra`] points and motions; it knows no algorithm.
+//! Registration of scans needs data before it and gives results after it. This crate reads the former
+//! and writes the latter as plain values: points and transformations of [`nalgebra`], and pose graphs of
+//! [`gmpcr_posegraph`]. It knows no algorithm.
 //!
 //! | what | format | read | write |
 //! |---|---|---|---|
 //! | point clouds | PLY, PCD, text (XYZ, CSV, PTS), NumPy `.npy` | [`read_points`], [`read_ply`], [`read_pcd`], [`read_xyz`] | [`write_merged_ply`] |
 //! | | LAS, LAZ, E57, NumPy `.npz`, each with its [feature](#features) | [`read_points`], `read_las`, `read_e57` | |
-//! | keypoints, descriptors | NumPy `.npy` | [`read_keypoints`], [`read_descriptors`], [`read_npy_matrix`] | |
-//! | absolute poses | TUM; rows of 3×4 matrices, as of KITTI | [`read_poses`], [`read_poses_tum`], [`read_poses_3x4`] | [`write_poses_tum`], [`write_poses_3x4`] |
+//! | keypoints with descriptors | NumPy `.npy` | `DescriptorFiles::read` with the feature `scans`, [`read_npy_matrix`] | |
+//! | absolute poses | TUM; rows of 3×4 matrices, as of KITTI | [`read_world_poses`], [`read_poses`], [`read_poses_tum`] | [`write_poses_tum`], [`write_poses_3x4`] |
 //! | a single pose | 4×4 or 3×4 matrix, as of ScanNet | [`read_pose_matrix`] | |
 //! | pose graphs | g2o | [`read_g2o`] | [`write_g2o`] |
 //! | | JSON of Open3D | [`read_open3d_pose_graph`] | [`write_open3d_pose_graph`] |
-//! | benchmark pairs | 3DMatch `gt.log`, `gt.info` | [`read_gt_log`], [`read_gt_info`] | [`write_gt_log`] |
+//! | benchmark pairs | 3DMatch `gt.log`, `gt.info` | [`PairList::read`], [`read_gt_log`], [`read_gt_info`] | [`write_gt_log`] |
 //! | overlaps of pairs | `overlap.csv`, `gt_overlap.log` | [`read_overlaps`] | |
 //! | any text | | | [`write_text`] |
-//! | folders of files | | [`scan_files`], [`descriptor_files`] | |
+//! | folders of files | | [`scan_files`], [`descriptor_files`], [`descriptor_files_of_clouds`] | |
 //! | scenes of benchmarks | 3DMatch, YOHO and SGHR, ScanNet, ETH: see [`Layout`] | [`scene_folders`], [`read_scene`] | |
+//!
+//! Pose graphs of files are lists of records. [`G2oPoseGraph`] makes one ready for synchronization and
+//! returns the solution in the frame of the file. [`PosedGraph`] writes a solution with the information
+//! matrices that g2o and Open3D expect.
 //!
 //! # Conventions
 //! * `a_from_b` maps coordinates in frame `b` to coordinates in frame `a`. A pose is
@@ -24,19 +29,22 @@
 //!   into the frame of scan `i`.
 //! * Lengths are in the unit of the file.
 //! * Quaternions are written vector first, scalar last: `qx qy qz qw`.
-//! * Information matrices are in the order of their format: g2o has translation first, Open3D has
-//!   rotation first.
-//! * Clouds are `f64` whatever their file has, so georeferenced ones keep their millimetres.
+//! * Information matrices of a format are in its order: g2o has translation first, Open3D has
+//!   rotation first. [`PosedGraph`] takes translation first, rotation in radians, and converts.
+//! * Clouds are `f64` whatever their file has, so georeferenced ones keep their millimeters.
 //!
 //! # Features
-//! None is on by default, since each needs further crates; `all-formats` turns on all.
+//! None is on by default, since each needs further crates.
 //!
-//! | feature | reads |
+//! | feature | effect |
 //! |---|---|
-//! | `las` | LAS |
-//! | `laz` | LAZ, and LAS |
-//! | `e57` | E57 |
-//! | `npz` | NumPy `.npz` |
+//! | `las` | reads LAS |
+//! | `laz` | reads LAZ, and LAS |
+//! | `e57` | reads E57 |
+//! | `npz` | reads NumPy `.npz` |
+//! | `all-formats` | all of the above |
+//! | `scans` | reads keypoints and descriptors as the scans of `gmpcr-correspondence` |
+//! | `serde` | pose graphs and benchmark pairs implement `Serialize` and `Deserialize` |
 //!
 //! # What to rely on
 //! * A file that is foreign, or cut off or false about its size where the format tells a size, gives
