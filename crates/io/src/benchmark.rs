@@ -221,7 +221,7 @@ mod tests {
         let (_folder, path) = file("0 1 2\n0 0 0 0\n0 0 0 0\n0 0 0 0\n0 0 0 1\n");
         let error = read_gt_log(path).unwrap_err().to_string();
         assert!(
-            error.contains("gt.txt:1: the 3x3 part is no rotation"),
+            error.contains("gt.txt:1: the 3x3 part is not a rotation"),
             "{error}"
         );
     }

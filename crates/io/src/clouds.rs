@@ -82,7 +82,7 @@ mod tests {
         fs::write(name(b"\xfe0.ply"), "").unwrap();
         let error = scan_files(folder.path()).unwrap_err().to_string();
         assert!(
-            error.contains("0.ply: its name is no Unicode text"),
+            error.contains("0.ply: its name is not Unicode text"),
             "{error}"
         );
     }

@@ -1,11 +1,11 @@
-//! Colors to tell scans apart.
+//! Colors that distinguish scans.
 
-/// Red, green and blue of the `k`-th of any number of colors that are easy to tell apart.
+/// Red, green and blue of color `k` of a sequence of colors that are easy to distinguish.
 ///
-/// Hue, saturation (0.4 to 1) and value (0.5 to 1) each advance by their own step and start anew at
-/// their end: the steps are `1/p`, `1/p^2` and `1/p^3` of the range for `p^4 = p + 1`, the golden
-/// ratio of three dimensions, which spreads any number of first colors evenly over all that are
-/// neither pale nor dark (Roberts 2018, sequence R3).
+/// Hue, saturation (0.4 to 1) and value (0.5 to 1) advance by steps of `1/p^3`, `1/p` and `1/p^2` of
+/// their ranges, and wrap around at the end. With `p^4 = p + 1`, the golden ratio of three dimensions,
+/// the first `n` colors are spread evenly for every `n` (Roberts 2018, sequence R3). No color is pale or
+/// dark.
 ///
 /// # Example
 /// ```

@@ -1,4 +1,4 @@
-//! The folders in which benchmarks hand out their scenes.
+//! The folders in which benchmarks publish their scenes.
 
 mod attach;
 mod clouds;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 /// Why a file could not be read or written: which file, where in it, and the reason.
 ///
-/// The message of each variant is complete in itself; [`source`](std::error::Error::source) hands
-/// out the error of the operating system or of the format's parser where there is one.
+/// The message of each variant is complete in itself. [`source`](std::error::Error::source) is the error
+/// of the operating system or of the format's parser where there is one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -33,8 +33,7 @@ pub enum Error {
         source: Option<Box<dyn StdError + Send + Sync>>,
     },
 
-    /// What should be written is nothing that the format can hold, by the caller's fault; the file is
-    /// as it was before.
+    /// The format cannot hold what should be written. The file is as it was before.
     #[error("cannot write {}: {reason}", path.display())]
     Unwritable {
         /// The file.
@@ -43,7 +42,7 @@ pub enum Error {
         reason: String,
     },
 
-    /// The file name does not tell a point file of a known kind.
+    /// The extension is not that of a known kind of point file.
     #[error(
         "{}: unknown kind of point file, known extensions are .{}",
         path.display(),
@@ -149,7 +148,7 @@ fn place(path: &Path, line: Option<usize>) -> String {
     }
 }
 
-/// Messages quote the offending words, which in a foreign file may be megabytes of noise.
+/// Messages quote the offending words, which may be megabytes in a file of another format.
 fn in_one_line(message: &str) -> String {
     const LONGEST: usize = 200;
     let words: Vec<&str> = message.split_whitespace().take(LONGEST).collect();

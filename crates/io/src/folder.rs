@@ -1,4 +1,4 @@
-//! The files and folders in a folder, in the order in which people number them.
+//! The files and folders in a folder, in natural order.
 
 use std::cmp::Ordering;
 use std::fs;
@@ -7,8 +7,8 @@ use std::path::Path;
 use crate::Error;
 use crate::formats::Format;
 
-/// Names of the visible files of a folder in natural order. A name that is no Unicode is no name
-/// of ours, but an error where it is that of a point cloud.
+/// Names of the visible files of a folder in natural order. A name that is not Unicode is left out; it
+/// is an error if it is that of a point cloud.
 pub(crate) fn file_names(folder: &Path) -> Result<Vec<String>, Error> {
     names(folder, Path::is_file)
 }
@@ -25,11 +25,11 @@ fn names(folder: &Path, is_wanted: fn(&Path) -> bool) -> Result<Vec<String>, Err
         let path = entry.path();
         match entry.file_name().into_string() {
             Ok(name) if !name.starts_with('.') && is_wanted(&path) => names.push(name),
-            // Better an end than a scan that is silently missing.
+            // A scan must not be missing silently.
             Err(_) if Format::of(&path).is_some() => {
                 return Err(Error::malformed(
                     &path,
-                    "its name is no Unicode text: rename it",
+                    "its name is not Unicode text: rename it",
                 ));
             }
             _ => {}

@@ -1,10 +1,10 @@
-//! The formats of point clouds, told by the extension of the file.
+//! The formats of point clouds, by the extension of the file.
 
 use std::path::Path;
 
 use crate::{Error, PointFile, npy, read_pcd, read_ply, read_xyz};
 
-/// Reads the points of a file of one cloud; upper and lower case of the extension are alike.
+/// Reads the points of a file of one cloud; the case of the extension does not matter.
 ///
 /// | extension | format | feature |
 /// |---|---|---|
@@ -17,14 +17,14 @@ use crate::{Error, PointFile, npy, read_pcd, read_ply, read_xyz};
 /// | `.laz` | LAS, compressed | `laz` |
 /// | `.e57` | E57: all scans of the file in its frame, poses applied; `read_e57` keeps them apart | `e57` |
 ///
-/// Coordinates are in the unit and the frame of the file, with the digits that they have there: LAS
-/// and E57 often are georeferenced, millions of meters from the origin.
+/// Coordinates are in the unit and the frame of the file, with all their digits. LAS and
+/// E57 are often georeferenced, millions of meters from the origin.
 ///
 /// # Errors
 /// [`Error::UnknownExtension`] for other names, [`Error::FeatureOff`] for formats that this build
 /// does not read, [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is empty,
 /// foreign, cut off, or false about its size; memory is reserved only for what it can hold. Damaged
-/// LAZ may besides make the panic hook of the program print, see `read_las`.
+/// LAZ may also make the panic hook of the program print, see `read_las`.
 ///
 /// # Example
 /// ```
@@ -72,7 +72,7 @@ pub(crate) struct Format {
 type Reader = Result<fn(&Path) -> Result<PointFile, Error>, &'static str>;
 
 impl Format {
-    /// The format that the extension tells.
+    /// The format of the extension.
     pub(crate) fn of(path: &Path) -> Option<&'static Self> {
         let extension = path.extension()?.to_str()?;
         FORMATS

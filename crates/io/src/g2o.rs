@@ -60,11 +60,12 @@ pub struct G2oEdge {
 /// VERTEX_SE3:QUAT id  x y z qx qy qz qw
 /// EDGE_SE3:QUAT   i j x y z qx qy qz qw  I11 I12 .. I16 I22 .. I66
 /// ```
-/// A vertex gives its pose, from its own frame into the world, an edge the relative pose, from the
-/// frame of `j` into that of `i`, both with the quaternion's scalar last, and the 21 numbers at the end
-/// are the upper triangle of the information matrix, row by row, in the order translation,
-/// rotation. Quaternions are brought to unit length. Comments (from `#` to the end of the line) and
-/// records of other things, `FIX` and parameters among them, are passed over. Vertices and edges of
+/// A vertex has its pose, from its own frame into the world. An edge has its relative pose, from the
+/// frame of `j` into that of `i`. Quaternions have the scalar last. The 21 numbers at the end of an edge
+/// are the upper triangle of the information matrix, row by row, in the order translation, rotation.
+///
+/// Quaternions are brought to unit length. Comments (from `#` to the end of the line) and
+/// records of other things, `FIX` and parameters among them, are skipped. Vertices and edges of
 /// any other kind, landmarks among them, are refused: without them the graph would be another one.
 ///
 /// Edges may name vertices that the file does not list.
@@ -72,7 +73,7 @@ pub struct G2oEdge {
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for an unexpected count
 /// of numbers, numbers that are not finite, a quaternion whose length is off 1 by more than 0.01, an
-/// id given twice, a line that is no g2o record, or a vertex or an edge of another kind.
+/// id given twice, a line that is not a g2o record, or a vertex or an edge of another kind.
 /// [`Error::Malformed`] also if the file has neither a vertex nor an edge.
 ///
 /// # Example
@@ -160,8 +161,8 @@ fn upper_entries() -> impl Iterator<Item = (usize, usize)> {
     (0..6).flat_map(|row| (row..6).map(move |column| (row, column)))
 }
 
-/// Refuses what is no record, and vertices and edges of another kind: without them the graph would
-/// be another one.
+/// Refuses lines that are not records. Refuses vertices and edges of another kind, too: without them the
+/// graph would be another one.
 fn check_skippable(line: &Line, record: &str) -> Result<(), Error> {
     let part_of_a_name = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || "_:".contains(c);
     if record.starts_with("VERTEX") || record.starts_with("EDGE") {
@@ -171,7 +172,7 @@ fn check_skippable(line: &Line, record: &str) -> Result<(), Error> {
         )));
     }
     if !record.chars().all(part_of_a_name) {
-        return Err(line.error(format!("{record:?} is no g2o record")));
+        return Err(line.error(format!("{record:?} is not a g2o record")));
     }
     Ok(())
 }
@@ -325,7 +326,10 @@ mod tests {
         let good = "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 1";
         for (bad, reason) in [
             (good, "vertex 0 is given a second time"),
-            ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0 0", "length 0 is no rotation"),
+            (
+                "VERTEX_SE3:QUAT 1 1 2 3 0 0 0 0",
+                "length 0 is not a rotation",
+            ),
             ("VERTEX_SE3:QUAT 1 1 2 inf 0 0 0 1", "not a finite number"),
             ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0", "number 7 of 7 of the pose"),
             ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0 1 5", "\"5\" follows"),
@@ -334,7 +338,7 @@ mod tests {
                 "EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1 5",
                 "number 2 of 21 of the information",
             ),
-            ("These are words", "no g2o record"),
+            ("These are words", "not a g2o record"),
         ] {
             let said = complaint(&format!("{good}\n{bad}\n"));
             assert!(

@@ -1,4 +1,4 @@
-//! A g2o file as the pose graph that is to be synchronized, and the solution back in its frame.
+//! The pose graph of a g2o file, for synchronization, and its solution in the frame of the file.
 
 use std::collections::BTreeMap;
 
@@ -62,7 +62,7 @@ pub struct G2oPoseGraph {
     pub edges: Vec<G2oEdge>,
 }
 
-/// Why a g2o file is no pose graph.
+/// Why a g2o file does not form a pose graph.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum G2oGraphError {
@@ -88,7 +88,7 @@ pub enum G2oGraphError {
     /// There is no edge, or none has information on its rotation.
     #[error("no EDGE_SE3:QUAT record with information on its rotation")]
     NoInformation,
-    /// A relative pose is beyond what a pose graph takes. The error names nodes, not ids.
+    /// A relative pose is not one that a pose graph takes. The error names nodes, not ids.
     #[error(transparent)]
     PoseGraph(#[from] PoseGraphError),
 }
@@ -98,8 +98,8 @@ impl G2oPoseGraph {
     /// id, which [`read_g2o`](crate::read_g2o) refuses, the last counts.
     ///
     /// # Errors
-    /// [`G2oGraphError`] if an edge joins a vertex with itself, if its information is no measure of
-    /// certainty, if there is none at all, or if a relative pose is none.
+    /// [`G2oGraphError`] if an edge joins a vertex with itself, if the information on its rotation is
+    /// negative or not finite, if no edge has such information, or if a relative pose is invalid.
     pub fn new(file: &G2o) -> Result<Self, G2oGraphError> {
         let named = file.edges.iter().flat_map(|edge| [edge.i, edge.j]);
         let mut nodes: BTreeMap<usize, Option<Isometry3<f64>>> =
@@ -117,13 +117,13 @@ impl G2oPoseGraph {
 
     /// The file with solved poses: those of `world_from_node`, moved into the frame of the file.
     ///
-    /// Poses of a component are known up to a common transformation. It is chosen such that the first
-    /// node of the component that the file has a pose of keeps this pose; without such a node, poses
-    /// stay as they are. `components` tells which nodes share a frame: those of the synchronization,
-    /// which may leave edges out.
+    /// Poses of a component are known up to a common transformation. It is chosen such that one node keeps
+    /// the pose that the file gives it: the first node of the component that has one. If there is none,
+    /// the poses of the component stay as they are. `components` are those of the synchronization, which
+    /// may leave edges out.
     ///
     /// # Panics
-    /// If there is not a pose per node, or `components` are of another number of nodes.
+    /// If there is not one pose per node, or if `components` have another number of nodes.
     pub fn solved(&self, world_from_node: &[Isometry3<f64>], components: &Components) -> G2o {
         let num_nodes = self.ids.len();
         assert_eq!(
@@ -157,7 +157,7 @@ impl G2oPoseGraph {
     }
 }
 
-/// The edges between the nodes of the ascending `ids`, which hold all that edges name.
+/// The edges between nodes. The ascending `ids` hold every id that an edge names.
 fn weighted_edges(edges: &[G2oEdge], ids: &[usize]) -> Result<Vec<PoseEdge>, G2oGraphError> {
     let traces = edges.iter().map(certainty);
     let traces = traces.collect::<Result<Vec<f64>, _>>()?;
@@ -175,7 +175,7 @@ fn weighted_edges(edges: &[G2oEdge], ids: &[usize]) -> Result<Vec<PoseEdge>, G2o
     Ok(edges.collect())
 }
 
-/// How much an edge knows of its rotation.
+/// The trace of the information on the rotation of an edge.
 fn certainty(edge: &G2oEdge) -> Result<f64, G2oGraphError> {
     let &G2oEdge { i, j, .. } = edge;
     if i == j {

@@ -47,14 +47,14 @@
 //! | `serde` | pose graphs and benchmark pairs implement `Serialize` and `Deserialize` |
 //!
 //! # What to rely on
-//! * A file that is foreign, or cut off or false about its size where the format tells a size, gives
-//!   an [`Error`] that names the file, the line where there is one, and the reason. No file causes a
+//! * A file of another format gives an [`Error`] that names the file, the line where there is one, and
+//!   the reason. So does a file that is cut off or false about its size, if its format states a size. No file causes a
 //!   panic, and memory is reserved only for what the file can hold. (Damaged LAZ may make the
 //!   decompressor panic, which is caught: the program's panic hook prints a line, the reader returns
 //!   the error. Where panics abort, the program ends.)
 //! * An empty file is no point cloud, no matrix and no pose graph, hence an [`Error`]. Files of poses
 //!   and of benchmark pairs are lists without a header: an empty one is read as no entries.
-//! * Text cannot tell all cuts: one between two entries of a list, or within the last number of the
+//! * Text does not reveal every cut: one between two entries of a list, or within the last number of the
 //!   file, goes unnoticed.
 //! * Writers fill a hidden temporary file beside the target and rename it: a result is complete or
 //!   absent. A link at the target's place is replaced, not followed.

@@ -1,4 +1,4 @@
-//! Matrices in NumPy's array format, the common tongue of learned features.
+//! Matrices in NumPy's array format, the usual one for learned features.
 
 use std::io::Read;
 use std::path::Path;
@@ -28,7 +28,7 @@ pub struct NpyMatrix {
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is empty, foreign or cut
 /// off, or holds another number of dimensions or another type, or rows without columns; the message
-/// tells which. The file is checked before memory is reserved, so a false shape in the header is an
+/// says which. The file is checked before memory is reserved, so a false shape in the header is an
 /// error too.
 ///
 /// # Example
@@ -160,7 +160,7 @@ impl<'a> Header<'a> {
         Ok(scan)
     }
 
-    /// Hands out all entries in the order of the file.
+    /// Passes all entries to `take`, in the order of the file.
     fn for_each(self, reader: &mut impl Read, take: impl FnMut(f64)) -> Result<(), Error> {
         match self.is_double {
             true => self.for_each_of::<f64>(reader, take),
@@ -183,10 +183,10 @@ impl<'a> Header<'a> {
     }
 }
 
-/// The header, after which `reader` stands then.
+/// Reads the header.
 ///
-/// Turns away headers that would overwhelm the header parser, which multiplies the shape without
-/// looking for overflow, descends into nested brackets, and reserves whatever length it is told.
+/// Refuses headers that would overwhelm the header parser. It multiplies the shape without a check for
+/// overflow, descends into nested brackets, and reserves whatever length it is given.
 ///
 /// A header of a plain matrix is short and flat, and the decimal digits of its shape are few: up to
 /// 18 of them, besides the digit of the type, multiply to less than 2^64.

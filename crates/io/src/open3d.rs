@@ -50,7 +50,7 @@ pub struct Open3dEdge {
 ///
 /// # Errors
 /// [`Error::Unwritable`], which names the node or the edge, if a number is not finite or an edge names
-/// a scan that is no node. [`Error::Io`] if the file cannot be written. In both cases it is as it was
+/// a scan that is not a node. [`Error::Io`] if the file cannot be written. In both cases it is as it was
 /// before.
 ///
 /// # Example
@@ -155,9 +155,9 @@ fn check_ends(edge: &Open3dEdge, num_nodes: usize) -> Result<(), String> {
 /// `confidence`, as in files of old versions, it is 1.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is no JSON of class
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not JSON of class
 /// `PoseGraph`, if an entry is missing or of another kind, if a matrix is off any rigid transformation by more
-/// than 0.01 in an entry, or if an edge names a node that is not in the file; the message tells which.
+/// than 0.01 in an entry, or if an edge names a node that is not in the file; the message says which.
 pub fn read_open3d_pose_graph(path: impl AsRef<Path>) -> Result<Open3dPoseGraph, Error> {
     let path = path.as_ref();
     let text = read_text(path)?;
@@ -199,7 +199,7 @@ fn edge(value: &Value, num_nodes: usize) -> Result<Open3dEdge, String> {
         target_from_source: transformation(value, "transformation")?,
         information: Matrix6::from_column_slice(&numbers::<36>(value, "information")?),
         uncertain: uncertain.ok_or("\"uncertain\" is neither true nor false")?,
-        confidence: confidence.ok_or("\"confidence\" is no number")?,
+        confidence: confidence.ok_or("\"confidence\" is not a number")?,
     };
     check_ends(&edge, num_nodes)?;
     Ok(edge)
@@ -216,20 +216,20 @@ fn check_class(value: &Value, class: &str) -> Result<(), String> {
 fn list<'a>(value: &'a Value, key: &str) -> Result<&'a [Value], String> {
     let list = value[key]
         .as_array()
-        .ok_or_else(|| format!("{key:?} is no list"))?;
+        .ok_or_else(|| format!("{key:?} is not a list"))?;
     Ok(list)
 }
 
 fn index(value: &Value, key: &str) -> Result<usize, String> {
     let index = value[key].as_u64().and_then(|index| index.try_into().ok());
-    index.ok_or_else(|| format!("{key:?} is no whole number from 0 on"))
+    index.ok_or_else(|| format!("{key:?} is not a whole number from 0 on"))
 }
 
 fn numbers<const N: usize>(value: &Value, key: &str) -> Result<[f64; N], String> {
     let numbers: Option<Vec<f64>> = list(value, key)?.iter().map(Value::as_f64).collect();
     numbers
         .and_then(|numbers| numbers.try_into().ok())
-        .ok_or_else(|| format!("{key:?} is no list of {N} numbers"))
+        .ok_or_else(|| format!("{key:?} is not a list of {N} numbers"))
 }
 
 fn transformation(value: &Value, key: &str) -> Result<Isometry3<f64>, String> {
@@ -311,21 +311,21 @@ mod tests {
                 json!("TriangleMesh"),
                 "it is of class \"TriangleMesh\"",
             ),
-            ("/nodes", json!(3), "\"nodes\" is no list"),
+            ("/nodes", json!(3), "\"nodes\" is not a list"),
             (
                 "/nodes/1/pose",
                 json!([1.0, 2.0]),
-                "node 1: \"pose\" is no list of 16 numbers",
+                "node 1: \"pose\" is not a list of 16 numbers",
             ),
             (
                 "/nodes/1/pose/0",
                 json!("a"),
-                "node 1: \"pose\" is no list of 16 numbers",
+                "node 1: \"pose\" is not a list of 16 numbers",
             ),
             (
                 "/nodes/1/pose/0",
                 json!(7.0),
-                "node 1: \"pose\": the 3x3 part is no rotation",
+                "node 1: \"pose\": the 3x3 part is not a rotation",
             ),
             (
                 "/nodes/1/pose/3",
@@ -340,13 +340,13 @@ mod tests {
             (
                 "/edges/0/target_node_id",
                 json!(-1),
-                "\"target_node_id\" is no whole number",
+                "\"target_node_id\" is not a whole number",
             ),
             ("/edges/0/uncertain", json!(1), "\"uncertain\" is neither"),
             (
                 "/edges/0/confidence",
                 json!("high"),
-                "\"confidence\" is no number",
+                "\"confidence\" is not a number",
             ),
         ] {
             let said = with(pointer, value);

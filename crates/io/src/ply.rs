@@ -20,7 +20,8 @@ use crate::{Error, PointFile};
 ///
 /// All three encodings are read: ascii, binary little and big endian. The element `vertex` must
 /// have the scalar properties `x`, `y` and `z`, of any number type; its other properties, whatever
-/// their names, and all other elements are passed over. Coordinates are in the unit and the frame of the file. Vertices
+/// their names, and all other elements are skipped. Coordinates are in the unit and the frame of the
+/// file. Vertices
 /// with a coordinate that is not finite are left out and counted, see [`PointFile`].
 ///
 /// # Errors

@@ -4,10 +4,9 @@ use nalgebra::Point3;
 
 /// The points of a file, in its order and unit, and how many more it listed without a position.
 ///
-/// Depth sensors mark pixels without a return by coordinates that are no numbers, and organized
-/// clouds keep these rows. They are left out here, so that all coordinates in `points` are finite,
-/// and counted. Where `invalid` is not zero, the place of a point in `points` is not its row in the
-/// file.
+/// Depth sensors mark pixels without a return by coordinates that are not numbers, and organized clouds
+/// keep these rows. They are left out and counted, so all coordinates in `points` are finite. If
+/// `invalid` is not zero, the place of a point in `points` is not its row in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct PointFile {
@@ -19,7 +18,7 @@ pub struct PointFile {
     /// Whether the file lists a normal for every point: `nx ny nz` of PLY, `normal_x normal_y
     /// normal_z` of PCD. The normals themselves are not read.
     pub has_normals: bool,
-    /// Where the sensor stood, in the frame of the points, if the file tells: the translation of
+    /// Where the sensor stood, in the frame of the points, if the file has it: the translation of
     /// `VIEWPOINT` of PCD. Many programs write the origin there whatever they know.
     pub viewpoint: Option<Point3<f64>>,
 }

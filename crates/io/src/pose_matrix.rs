@@ -96,7 +96,7 @@ mod tests {
             (&[0, 1], Some("2 rows")),
             (&[0, 1, 2, 3, 3], Some("5 rows")),
             (&[0, 1, 2, 4], Some("not 0 0 0 1")),
-            (&[0, 0, 2, 3], Some("no rotation")),
+            (&[0, 0, 2, 3], Some("not a rotation")),
         ] {
             let text: Vec<&str> = chosen.iter().map(|&row| rows[row]).collect();
             fs::write(&path, text.join("\n")).unwrap();

@@ -1,4 +1,4 @@
-//! Solved pose graphs for other programs, each of which has its own idea of an information matrix.
+//! Solved pose graphs for other programs, each with its own convention for information matrices.
 
 use std::collections::HashMap;
 
@@ -38,6 +38,8 @@ use crate::{G2o, G2oEdge, G2oVertex, Open3dEdge, Open3dPoseGraph};
 #[derive(Clone, Debug, PartialEq)]
 pub struct PosedGraph {
     poses: Vec<(usize, Isometry3<f64>)>,
+    /// Place of each scan among the poses.
+    places: HashMap<usize, usize>,
     edges: Vec<MeasuredEdge>,
 }
 
@@ -55,7 +57,7 @@ pub struct MeasuredEdge {
     pub information: Matrix6<f64>,
 }
 
-/// Why poses and edges are no [`PosedGraph`].
+/// Why poses and edges do not form a [`PosedGraph`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PosedGraphError {
@@ -87,26 +89,22 @@ impl PosedGraph {
         poses: Vec<(usize, Isometry3<f64>)>,
         edges: Vec<MeasuredEdge>,
     ) -> Result<Self, PosedGraphError> {
-        let graph = Self { poses, edges };
-        let places = graph.places();
-        if places.len() < graph.poses.len() {
-            let is_replaced = |(place, (scan, _)): &(usize, &(usize, _))| places[scan] != *place;
-            let replaced = graph.poses.iter().enumerate().find(is_replaced);
-            let scan = replaced.map_or(0, |(_, (scan, _))| *scan);
-            return Err(PosedGraphError::TwoPoses { scan });
+        let mut places = HashMap::with_capacity(poses.len());
+        for (place, &(scan, _)) in poses.iter().enumerate() {
+            if places.insert(scan, place).is_some() {
+                return Err(PosedGraphError::TwoPoses { scan });
+            }
         }
-        for &MeasuredEdge { i, j, .. } in &graph.edges {
+        for &MeasuredEdge { i, j, .. } in &edges {
             if let Some(scan) = [i, j].into_iter().find(|scan| !places.contains_key(scan)) {
                 return Err(PosedGraphError::NoPose { i, j, scan });
             }
         }
-        Ok(graph)
-    }
-
-    /// Place of each scan among the poses.
-    fn places(&self) -> HashMap<usize, usize> {
-        let scans = self.poses.iter().enumerate();
-        scans.map(|(place, &(scan, _))| (scan, place)).collect()
+        Ok(Self {
+            poses,
+            places,
+            edges,
+        })
     }
 
     /// The graph for g2o; ids are the numbers of the scans.
@@ -138,10 +136,9 @@ impl PosedGraph {
     /// edges are uncertain and have confidence 1.
     #[must_use]
     pub fn to_open3d(&self) -> Open3dPoseGraph {
-        let places = self.places();
         let edges = self.edges.iter().map(|edge| Open3dEdge {
-            source: places[&edge.j],
-            target: places[&edge.i],
+            source: self.places[&edge.j],
+            target: self.places[&edge.i],
             target_from_source: edge.i_from_j,
             information: rotation_first(&edge.information),
             uncertain: true,

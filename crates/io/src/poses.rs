@@ -49,7 +49,7 @@ pub fn write_poses_tum(
 
 /// Reads `(timestamp, world_from_scan)` from a file of [`write_poses_tum`]'s format.
 ///
-/// Blank lines and lines that start with `#` are passed over; quaternions are brought to unit
+/// Blank lines and lines that start with `#` are skipped; quaternions are brought to unit
 /// length.
 ///
 /// # Errors
@@ -110,7 +110,8 @@ pub fn write_poses_3x4(
     })
 }
 
-/// Reads `(scan, world_from_scan)` from a file of poses, whose format the width of its first row tells.
+/// Reads `(scan, world_from_scan)` from a file of poses. The width of the first row determines the
+/// format.
 ///
 /// | numbers in a row | format | scan |
 /// |---|---|---|
@@ -124,7 +125,7 @@ pub fn write_poses_3x4(
 /// from 0 in the order of the file, as are those without an index. A component must be a whole number
 /// and is otherwise ignored, although poses of different components do not share a world.
 ///
-/// Blank lines and lines that start with `#` are passed over. Each 3×3 part is replaced by the nearest
+/// Blank lines and lines that start with `#` are skipped. Each 3×3 part is replaced by the nearest
 /// rotation, since files often hold few digits. A file without rows has no poses.
 ///
 /// # Errors
@@ -285,7 +286,7 @@ mod tests {
     #[test]
     fn a_matrix_that_is_no_rotation_is_refused() {
         let error = read_content("2 0 0 0 0 1 0 0 0 0 1 0\n").unwrap_err();
-        assert!(error.to_string().contains("no rotation within 0.01"));
+        assert!(error.to_string().contains("not a rotation within 0.01"));
     }
 
     #[test]
@@ -329,7 +330,7 @@ mod tests {
             read(&format!("# t\n4 {quaternion}9 {quaternion}")).unwrap(),
             [4, 9]
         );
-        // The second at which a benchmark was recorded is no index, nor are equal or falling numbers.
+        // The second at which a benchmark was recorded is not an index, nor are equal or falling numbers.
         for time in ["-1", "0.5", "1e300", "1305031102", "100000", "4", "3"] {
             let text = format!("4 {quaternion}{time} {quaternion}");
             assert_eq!(read(&text).unwrap(), [0, 1], "{time}");

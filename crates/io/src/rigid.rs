@@ -22,7 +22,7 @@ pub(crate) fn from_quaternion_row(row: [f64; 7]) -> Result<Isometry3<f64>, Strin
     let excess = (length - 1.0).abs();
     if excess.is_nan() || excess > ROTATION_TOLERANCE {
         return Err(format!(
-            "a quaternion of length {length} is no rotation within {ROTATION_TOLERANCE}"
+            "a quaternion of length {length} is not a rotation within {ROTATION_TOLERANCE}"
         ));
     }
     let rotation = if excess <= 1e-14 {
@@ -54,7 +54,9 @@ pub(crate) fn from_matrix_rows(rows: [f64; 12]) -> Result<Isometry3<f64>, String
         .filter(|rotation| (rotation - written).amax() <= ROTATION_TOLERANCE)
         .ok_or_else(|| {
             let det = written.determinant();
-            format!("the 3x3 part is no rotation within {ROTATION_TOLERANCE} (determinant {det})")
+            format!(
+                "the 3x3 part is not a rotation within {ROTATION_TOLERANCE} (determinant {det})"
+            )
         })?;
     let rotation = Rotation3::from_matrix_unchecked(rotation);
     Ok(Isometry3::from_parts(

@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::Error;
 use crate::bytes::Source;
 
-/// The lines of a payload that are not blank; what is no Unicode in them is replaced, since names and
+/// The lines of a payload that are not blank. Bytes that are not Unicode are replaced, since names and
 /// remarks beside the numbers may be in any encoding.
 pub(crate) struct Rows<'a> {
     path: &'a Path,
@@ -58,11 +58,11 @@ impl<'a> Rows<'a> {
             let length = reader.read_until(b'\n', &mut self.bytes);
             let length = length.map_err(Error::io("read", self.path))?;
             if reader.limit() == 0 {
-                let reason = format!("no text: the line takes {TOO_LONG} bytes or more");
+                let reason = format!("not text: the line takes {TOO_LONG} bytes or more");
                 return Err(self.error(reason));
             }
             if self.bytes.contains(&0) {
-                return Err(self.error("no text: the line has a zero byte, as UTF-16 has"));
+                return Err(self.error("not text: the line has a zero byte, as UTF-16 has"));
             }
             if length == 0 || !self.bytes.trim_ascii().is_empty() {
                 self.content.clear();
@@ -93,7 +93,7 @@ pub(crate) fn coordinate(name: &str, word: &str, single: bool) -> Result<f64, St
     value.ok_or_else(|| format!("{name:?} is {word:?}, not a number"))
 }
 
-/// Programs print what is no finite number as `nan`, `-nan`, `-nan(ind)`, `1.#QNAN`, `-1.#IND` or
+/// Programs print numbers that are not finite as `nan`, `-nan`, `-nan(ind)`, `1.#QNAN`, `-1.#IND` or
 /// `1.#INF`.
 fn is_nan(word: &str) -> bool {
     let start = word.trim_start_matches(['-', '+']).get(..3);

@@ -1,4 +1,4 @@
-//! What is known of the poses of a scene from elsewhere.
+//! The ground truth of a scene.
 
 use std::path::{Path, PathBuf};
 
@@ -16,18 +16,20 @@ use crate::Error;
 /// Tables of overlaps, the most complete first: the benchmark's own list only some pairs.
 const OVERLAPS: [&str; 3] = ["overlap.csv", "official_gt_overlap.log", "gt_overlap.log"];
 
-/// What is known of the poses of a scene from elsewhere. Scans are named by their place in
-/// [`Scene::scans`](crate::Scene::scans), which is the number in their file names.
+/// The ground truth of a scene: poses, relative poses and overlaps that are known from elsewhere.
+///
+/// Scans are named by their place in [`Scene::scans`](crate::Scene::scans), which is the number in their
+/// file names.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct GroundTruth {
     /// The lists of pairs that a benchmark judges: `3dmatch`, `3dlomatch`, `gt`, in this order, as
     /// far as they are there.
     pub pair_lists: Vec<PairList>,
-    /// Overlaps of pairs. A pair that is not listed is one of which nothing is told.
+    /// Overlaps of pairs. Nothing is known of a pair that is not listed.
     pub overlaps: Option<Vec<PairOverlap>>,
-    /// The pose of each scan in the frame that all have in common, in the unit of the scans; `None` for a
-    /// scan of unknown pose.
+    /// The pose of each scan in one common frame, in the unit of the scans. `None` for a scan of unknown
+    /// pose.
     pub world_from_scan: Option<Vec<Option<Isometry3<f64>>>>,
 }
 

@@ -7,8 +7,7 @@ use super::pairs::ListFiles;
 use super::{clouds, places, poses};
 use crate::Error;
 
-/// What a scene's folder must hold. All else that is known of the poses is read where it is
-/// there.
+/// What a scene's folder must hold. All else that is known of the poses is read if it is there.
 ///
 /// | layout | clouds | descriptors | pairs | `.info` | poses |
 /// |---|---|---|---|---|---|
@@ -28,7 +27,7 @@ use crate::Error;
 /// * **Poses** are the rows of `poses.txt`, in a format of [`read_poses`](crate::read_poses),
 ///   one for each scan. A pose without a finite number is unknown.
 ///
-/// The ground truth lies in the folder itself, in `PointCloud` or `scans`, or, as 3DMatch is handed out, in
+/// The ground truth lies in the folder itself, in `PointCloud` or `scans`, or, as 3DMatch is published, in
 /// the neighboring folder `<scene>-evaluation`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -40,7 +39,7 @@ pub enum Layout {
     ///
     /// Either `<i>.kpts.npy` and `<i>.desc.npy` lie in the folder itself, or `<i>.npy` in two
     /// subfolders, one of keypoints (`Keypoints_PC`, `keypoints` or `kpts`) and one of descriptors
-    /// (`YOHO_desc`, `descriptors`, `features` or `yoho`; upper and lower case are alike). The files
+    /// (`YOHO_desc`, `descriptors`, `features` or `yoho`; case does not matter). The files
     /// belong together by the number at the end of their names, after which `Keypoints.npy`,
     /// `.kpts.npy` or `.desc.npy` may stand instead of `.npy`: `cloud_bin_3Keypoints.npy` and
     /// `3.npy`. Keypoints are n×3 arrays, descriptors n×d.
@@ -67,9 +66,9 @@ impl Layout {
     /// A scene has numbered clouds with a ground truth, or descriptors. The first that fits counts:
     /// [`Yoho`](Self::Yoho) with descriptors, [`ScanNet`](Self::ScanNet) with a pose file of any scan,
     /// [`ThreeDMatch`](Self::ThreeDMatch) with an `.info` file of any list, [`Eth`](Self::Eth) with
-    /// other lists, [`ScanNet`](Self::ScanNet) with `poses.txt`. Whether all files are there is for
-    /// [`read_scene`] to see. A scene of 3DMatch that has lost all its `.info` files is taken for one
-    /// of ETH: name the layout where you know it.
+    /// other lists, [`ScanNet`](Self::ScanNet) with `poses.txt`. [`read_scene`] checks whether all files
+    /// are there. A scene of 3DMatch without any `.info` file is taken for one of ETH: name the layout if
+    /// you know it.
     ///
     /// # Errors
     /// [`Error::Io`] if the folder or one of the subfolders of interest cannot be listed.

@@ -14,7 +14,7 @@ pub(super) struct Naming<'a> {
     pub(super) what: &'static str,
     /// What stands before the number, where this is prescribed.
     pub(super) start: Option<&'a str>,
-    /// The endings, of which the first that fits counts; upper and lower case are alike.
+    /// The endings, of which the first that fits counts; case does not matter.
     pub(super) endings: &'a [&'a str],
 }
 

@@ -14,15 +14,15 @@ pub struct PairOverlap {
     pub i: usize,
     /// The second scan of the pair.
     pub j: usize,
-    /// Fraction of the points of one scan that have a counterpart in the other, from 0 to 1; a mean
-    /// over both directions where the file tells so.
+    /// Fraction of the points of one scan that have a counterpart in the other, from 0 to 1. A mean
+    /// over both directions if the file has one.
     pub overlap: f64,
 }
 
 /// Reads the overlaps of pairs: rows `i,j,overlap`, as of the benchmark's `gt_overlap.log`, or
 /// `i,j,mean,min`, of which the mean is taken.
 ///
-/// A first line `i,j,...` is a heading. Blank lines and lines that start with `#` are passed over.
+/// A first line `i,j,...` is a heading. Blank lines and lines that start with `#` are skipped.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for a row that has

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::clouds;
 
-/// The folder of the scene, those of its clouds, and, as 3DMatch is handed out, a folder of its own,
+/// The folder of the scene, those of its clouds, and, as 3DMatch is published, a folder of its own,
 /// `<scene>-evaluation`.
 pub(super) fn of_ground_truth(folder: &Path) -> Vec<PathBuf> {
     let beside_clouds = clouds::SUBFOLDERS.map(|name| folder.join(name));

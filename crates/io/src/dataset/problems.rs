@@ -1,4 +1,4 @@
-//! The problems of a scene, gathered before they are told.
+//! The problems of a scene, gathered into one error.
 
 use std::path::{Path, PathBuf};
 

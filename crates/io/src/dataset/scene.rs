@@ -7,7 +7,7 @@ use super::attach::sets_of_scans;
 use super::ground_truth::GroundTruth;
 use crate::{DescriptorFiles, Error, scan_files};
 
-/// The scans of a scene, by their files, and what is known of their poses from elsewhere.
+/// The scans of a scene, by their files, and their ground truth.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Scene {
@@ -17,7 +17,7 @@ pub struct Scene {
     pub folder: PathBuf,
     /// The scans: the one in place `i` is scan `i` of the ground truth.
     pub scans: Vec<SceneScan>,
-    /// What is known of the poses; all empty where nothing is.
+    /// The ground truth; all empty where nothing is known.
     pub ground_truth: GroundTruth,
 }
 
