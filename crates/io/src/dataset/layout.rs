@@ -23,7 +23,7 @@ use crate::Error;
 ///   `3dlomatch`, from `official_3dlomatch.log`, `gt_3dlomatch.log` or else `gtLo.log`; and `gt`, from
 ///   `gt.log`; each with the `.info` file of the same name.
 /// * **Overlaps** come from `overlap.csv`, or else `official_gt_overlap.log` or `gt_overlap.log`, see
-///   [`read_overlaps`].
+///   [`read_overlaps`](crate::read_overlaps).
 /// * **Poses** are the rows of `poses.txt`, in a format of [`read_poses`](crate::read_poses),
 ///   one for each scan. A pose without a finite number is unknown.
 ///
@@ -66,7 +66,7 @@ impl Layout {
     /// A scene has numbered clouds with a ground truth, or descriptors. The first that fits counts:
     /// [`Yoho`](Self::Yoho) with descriptors, [`ScanNet`](Self::ScanNet) with a pose file of any scan,
     /// [`ThreeDMatch`](Self::ThreeDMatch) with an `.info` file of any list, [`Eth`](Self::Eth) with
-    /// other lists, [`ScanNet`](Self::ScanNet) with `poses.txt`. [`read_scene`] checks whether all files
+    /// other lists, [`ScanNet`](Self::ScanNet) with `poses.txt`. [`read_scene`](crate::read_scene) checks whether all files
     /// are there. A scene of 3DMatch without any `.info` file is taken for one of ETH: name the layout if
     /// you know it.
     ///
