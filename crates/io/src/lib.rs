@@ -47,12 +47,12 @@
 //! | `serde` | pose graphs and benchmark pairs implement `Serialize` and `Deserialize` |
 //!
 //! # What to rely on
-//! * A file of another format gives an [`Error`] that names the file, the line where there is one, and
-//!   the reason. So does a file that is cut off or false about its size, if its format states a size. No file causes a
-//!   panic, and memory is reserved only for what the file can hold. (Damaged LAZ may make the
-//!   decompressor panic, which is caught: the program's panic hook prints a line, the reader returns
-//!   the error. Where panics abort, the program ends.)
-//! * An empty file is no point cloud, no matrix and no pose graph, hence an [`Error`]. Files of poses
+//! * A file of another format gives an [`Error`] that names the file, the line where there is
+//!   one, and the reason. So does a file that is cut off or false about its size, if its format
+//!   states a size. No file causes a panic, and memory is reserved only for what the file can
+//!   hold. (Damaged LAZ may make the decompressor panic, which is caught: the program's panic
+//!   hook prints a line, the reader returns the error. Where panics abort, the program ends.)
+//! * An empty file is not a point cloud, a matrix or a pose graph, hence an [`Error`]. Files of poses
 //!   and of benchmark pairs are lists without a header: an empty one is read as no entries.
 //! * Text does not reveal every cut: one between two entries of a list, or within the last number of the
 //!   file, goes unnoticed.

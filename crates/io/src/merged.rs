@@ -1,4 +1,4 @@
-//! Registered scans in one colored cloud, to look at.
+//! Registered scans in one colored cloud, for viewers.
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
@@ -15,14 +15,14 @@ pub enum Coordinates {
     /// As `float`, rounded to 24 bits: 12 bytes a point. Half a meter is lost at 8 million meters
     /// from the origin, such as a northing in UTM.
     Single,
-    /// As `double`, as they are: 24 bytes a point. For clouds far from the origin; viewers may round
+    /// As `double`, as they are: 24 bytes a point. For clouds far from the origin. Viewers may round
     /// them nevertheless.
     Double,
 }
 
-/// A cloud on its way into a merged one.
+/// A cloud that becomes a part of a merged one.
 ///
-/// `Points` is any slice of points: a slice, a vector or a `Cow`.
+/// `Points` is a slice, a vector or a `Cow` of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColoredCloud<Points> {
     /// The points, in their own frame.
@@ -35,8 +35,8 @@ pub struct ColoredCloud<Points> {
 
 /// Writes clouds into one PLY file, each transformed into the common frame and in its color.
 ///
-/// A point `p` of a cloud becomes `world_from_points * p`. Points are written as they come and never
-/// gathered, so `clouds` may make each when it is asked for. The file is binary little-endian with
+/// A point `p` of a cloud becomes `world_from_points * p`. Points are written one by one, so
+/// `clouds` may compute each cloud when it is asked for. The file is binary little-endian with
 /// `x y z` as `coordinates` says and `uchar red green blue`.
 ///
 /// # Errors
@@ -98,7 +98,7 @@ fn write_point(
     Ok(())
 }
 
-/// The header, equally long for any count: a comment takes up the slack.
+/// The header. A comment fills it up to the same length for every count.
 fn header(num_points: u64, coordinates: Coordinates) -> String {
     let kind = match coordinates {
         Coordinates::Single => "float",

@@ -1,4 +1,4 @@
-//! Pose graphs as Open3D keeps them.
+//! Pose graphs in the JSON format of Open3D.
 
 use std::io::Write;
 use std::path::Path;
@@ -23,7 +23,7 @@ pub struct Open3dPoseGraph {
 
 /// A measured relative pose of two scans.
 ///
-/// A perfect one satisfies `target_from_source = world_from_target^-1 * world_from_source`.
+/// Without noise it satisfies `target_from_source = world_from_target^-1 * world_from_source`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Open3dEdge {
@@ -37,9 +37,10 @@ pub struct Open3dEdge {
     /// The information matrix in the order rotation, translation, as Open3D computes and reads it.
     /// (g2o has translation first: swap the two halves of rows and columns.)
     pub information: Matrix6<f64>,
-    /// Whether Open3D may doubt the edge. It takes edges of odometry as certain, loops as uncertain.
+    /// Whether Open3D may remove the edge as an outlier. Its edges of odometry are certain, loop closures
+    /// are uncertain.
     pub uncertain: bool,
-    /// How much Open3D's optimization believed an uncertain edge, from 0 to 1; 1 before it ran.
+    /// The weight that Open3D's optimization gave an uncertain edge, from 0 to 1. It is 1 before that.
     pub confidence: f64,
 }
 

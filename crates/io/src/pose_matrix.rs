@@ -14,7 +14,7 @@ pub(crate) type KnownPose = Option<Isometry3<f64>>;
 /// the pose is unknown.
 ///
 /// The file has the three rows of `[R | t]`, with or without the fourth row `0 0 0 1`. ScanNet writes
-/// `-inf` into all entries where its tracking was lost; hence a matrix without a finite entry stands
+/// `-inf` into all entries if its tracking was lost. Hence a matrix without a finite entry stands
 /// for an unknown pose. The 3×3 part is replaced by the nearest rotation.
 ///
 /// # Errors
@@ -58,7 +58,7 @@ pub fn read_pose_matrix(path: impl AsRef<Path>) -> Result<Option<Isometry3<f64>>
     Ok(pose)
 }
 
-/// The pose of `[R | t]`, row by row; none if none of the entries is finite.
+/// The pose of `[R | t]`, row by row. `None` if no entry is finite.
 pub(crate) fn pose_if_known(entries: [f64; 12]) -> Result<Option<Isometry3<f64>>, String> {
     match entries.iter().filter(|entry| entry.is_finite()).count() {
         12 => rigid::from_matrix_rows(entries).map(Some),

@@ -121,9 +121,9 @@ pub fn write_poses_3x4(
 /// | 14 | the same after an index and the connected component of the scan | the index |
 ///
 /// Time stamps are the indices of the scans if all are whole numbers from 0 to 99 999 and each is
-/// greater than the one before; otherwise, as for times in seconds since 1970, the rows are numbered
-/// from 0 in the order of the file, as are those without an index. A component must be a whole number
-/// and is otherwise ignored, although poses of different components do not share a world.
+/// greater than the one before. Otherwise, as for times in seconds since 1970, and for rows without an
+/// index, the rows are numbered from 0 in the order of the file. A component must be a whole number. It is
+/// otherwise ignored, although poses of different components are not in one world.
 ///
 /// Blank lines and lines that start with `#` are skipped. Each 3×3 part is replaced by the nearest
 /// rotation, since files often hold few digits. A file without rows has no poses.
@@ -198,7 +198,7 @@ fn is_index(time: f64) -> bool {
     time.fract() == 0.0 && (0.0..100_000.0).contains(&time)
 }
 
-/// The scan of a row, whose words are those of the pose from then on.
+/// The scan of a row. After it the words of the pose are left.
 fn scan_of_row(line: &mut Line, row: usize, width: usize) -> Result<usize, Error> {
     let words = line.words_left();
     match words {

@@ -7,14 +7,14 @@ use nalgebra::{
 };
 
 /// How far an entry of a written rotation may be from the nearest rotation, and the length of a
-/// quaternion from 1: files are written with few digits, but what is further off was never a rotation.
+/// quaternion from 1. Files are written with few digits, but larger errors are not due to rounding.
 pub(crate) const ROTATION_TOLERANCE: f64 = 1e-2;
 
 /// The transformation of `x y z qx qy qz qw`; the quaternion is brought to unit length, and refused if its
 /// length is off by more than [`ROTATION_TOLERANCE`].
 ///
-/// One that has unit length up to rounding is taken as it is, so that what was written with all
-/// digits comes back bit by bit.
+/// A quaternion of unit length up to rounding is taken as it is. So all bits come back of what was
+/// written with all digits.
 pub(crate) fn from_quaternion_row(row: [f64; 7]) -> Result<Isometry3<f64>, String> {
     let [x, y, z, qx, qy, qz, qw] = row;
     let quaternion = Quaternion::new(qw, qx, qy, qz);
@@ -83,7 +83,7 @@ pub(crate) fn matrix_rows(transformation: &Isometry3<f64>) -> [[f64; 4]; 3] {
 /// The rotation nearest to `matrix` in the Frobenius norm, for a matrix that is almost one.
 ///
 /// Newton's iteration `X <- (X + X^-T) / 2` for the polar factor (Higham, 1986) doubles the number
-/// of correct digits each time: five steps lead from an error of 0.1 below the rounding error.
+/// of correct digits in each step. Five steps lead from an error of 0.1 below the rounding error.
 fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut polar = *matrix;
     if polar.determinant() <= 0.0 {

@@ -20,7 +20,7 @@ pub(crate) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// The rows of what is left of `source`, which goes on with line `first_line` of the file.
+    /// The rows of the rest of `source`, which continues with line `first_line` of the file.
     pub(crate) fn new(source: Source<'a>, first_line: usize) -> Self {
         Self {
             path: source.path,
@@ -31,7 +31,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// The next row; if there is none, `announced` tells what the header promised.
+    /// The next row. If there is none, `announced` says what the header promised.
     pub(crate) fn next(&mut self, announced: impl Fn() -> String) -> Result<&str, Error> {
         if self.advance()? {
             return Ok(&self.content);
@@ -47,7 +47,7 @@ impl<'a> Rows<'a> {
         Ok(self.advance()?.then_some(&*self.content))
     }
 
-    /// Whether there is another row, which is the content then.
+    /// Moves to the next row, if there is one.
     fn advance(&mut self) -> Result<bool, Error> {
         /// Bytes that no row of numbers needs.
         const TOO_LONG: u64 = 1 << 20;

@@ -9,12 +9,12 @@ use crate::{Error, rows};
 /// The whole file as text.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     let bytes = fs::read(path).map_err(Error::io("read", path))?;
-    // The error's own copy of the bytes would fill screens where it is printed for debugging.
+    // The error's own copy of the bytes would fill screens in debug output.
     String::from_utf8(bytes)
         .map_err(|error| Error::parser(path, None, "not a text file", error.utf8_error()))
 }
 
-/// The lines that say something: neither blank nor a comment, which starts with `#`.
+/// The lines with content: neither blank nor a comment, which starts with `#`.
 pub(crate) fn lines<'a>(path: &'a Path, text: &'a str) -> impl Iterator<Item = Line<'a>> {
     (1..)
         .zip(text.lines())

@@ -8,16 +8,15 @@ use crate::{Error, PointFile};
 
 /// Reads points from text: XYZ, ASC, PTS, CSV and the like.
 ///
-/// Each row is a point, its first three columns are `x`, `y`, `z`. Further columns are skipped
-/// and need not be numbers, nor Unicode. Columns are separated by semicolons, by commas or by white
-/// space: by the first of these under which the first point has three numbers. Numbers may stand in
-/// quotes, and mark their exponent by `E` or `D`. Blank lines and lines that start with `#` or `//`
-/// are skipped.
+/// Each row is a point. Its first three columns are `x`, `y`, `z`. Further columns are skipped and
+/// need not be numbers or Unicode. The separator is the first of semicolon, comma and white space
+/// with which the first point has three numbers. Numbers may stand in quotes, and mark their
+/// exponent by `E` or `D`. Blank lines and lines that start with `#` or `//` are skipped.
 ///
-/// * A first row without any number names the columns; those called `x`, `y` and `z`, in upper or
-///   lower case, are taken then if all three exist.
-/// * So does the last comment before the first point, if it has as many words as the point has
-///   columns, and `x`, `y` and `z` are among them: `# t x y z`, `//X,Y,Z`.
+/// * A first row without any number names the columns. If there are columns called `x`, `y` and `z`, in
+///   upper or lower case, they are taken.
+/// * The last comment before the first point names the columns, too, if it has as many words as the point
+///   has columns, with `x`, `y` and `z` among them: `# t x y z`, `//X,Y,Z`.
 /// * A first row of one whole number, as PTS has it, is the count of the rows that follow. Several
 ///   clouds in one file, each with its count, are not read.
 ///

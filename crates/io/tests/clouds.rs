@@ -1,5 +1,5 @@
-//! Laws of the formats of point clouds: the same cloud comes back from each, and no file that is cut
-//! off, false about its size or changed makes a reader panic or reserve what it does not hold.
+//! Laws of the formats of point clouds. The same cloud comes back from each. No file that is cut off,
+//! changed or false about its size makes a reader panic or reserve more memory than the file can fill.
 #![allow(clippy::unwrap_used)]
 
 use std::fs;

@@ -1,4 +1,4 @@
-//! Laws of the ways between pose graphs and their files.
+//! Laws of the conversions between pose graphs and their files.
 #![allow(clippy::unwrap_used)]
 
 use gmpcr_io::*;
@@ -71,7 +71,7 @@ proptest! {
             prop_assert_eq!(edge.i_from_j, written.i_from_j);
             prop_assert_eq!(edge.weight, certainty(written) / largest);
         }
-        // The poses of the file themselves solve nothing else than the file.
+        // The poses of the file lead back to the file.
         let poses: Vec<_> = read.initial_poses.iter().map(|pose| pose.unwrap()).collect();
         let ends = read.graph.edges().iter().map(|edge| (edge.i, edge.j));
         let components = Components::new(5, ends);
@@ -101,7 +101,7 @@ proptest! {
         }
     }
 
-    /// Each program's own cost of a small error is that of the edge.
+    /// The cost of a small error in each program is that of the edge.
     #[test]
     fn programs_give_an_error_the_cost_that_the_edge_gives_it(
         i_from_j in pose(), information in information(), direction in prop::array::uniform6(-1.0..1.0f64),

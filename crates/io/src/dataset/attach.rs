@@ -1,4 +1,4 @@
-//! Which descriptors of a folder of their own belong to which clouds.
+//! Descriptors in a folder of their own, and the clouds to which they belong.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -11,13 +11,13 @@ use crate::{DescriptorFiles, Error};
 /// The keypoints and descriptors of each of the clouds, from a folder in one of the two forms of
 /// [`Layout::Yoho`](crate::Layout::Yoho). Neither clouds nor descriptors are opened.
 ///
-/// A set belongs to the cloud whose name ends in the same number; where clouds are without such
-/// numbers, or two have the same, to the cloud in the place of its number.
+/// A set belongs to the cloud whose name ends in the same number. If clouds have no such numbers, or two
+/// have the same, it belongs to the cloud in the place of its number.
 ///
 /// # Errors
 /// [`Error::Io`] if the folder cannot be listed, [`Error::NothingFound`] if it has no descriptors.
-/// [`Error::Incomplete`] if a cloud has no set, a set half its files or no cloud, or if two sets have
-/// the same number.
+/// [`Error::Incomplete`] if a cloud has no set, if a set has no cloud or lacks a file, or if two sets
+/// have the same number.
 ///
 /// # Example
 /// ```
@@ -41,7 +41,7 @@ pub fn descriptor_files_of_clouds(
     sets_of_scans(&clouds, folder.as_ref())
 }
 
-/// The same for scans of which some may have no cloud.
+/// The same for scans. Some may have no cloud.
 pub(super) fn sets_of_scans(
     clouds: &[Option<&Path>],
     folder: &Path,

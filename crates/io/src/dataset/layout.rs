@@ -64,11 +64,11 @@ impl Layout {
     /// The layout of a folder by the files that it holds, or `None` if it is not a scene.
     ///
     /// A scene has numbered clouds with a ground truth, or descriptors. The first that fits counts:
-    /// [`Yoho`](Self::Yoho) with descriptors, [`ScanNet`](Self::ScanNet) with a pose file of any scan,
-    /// [`ThreeDMatch`](Self::ThreeDMatch) with an `.info` file of any list, [`Eth`](Self::Eth) with
-    /// other lists, [`ScanNet`](Self::ScanNet) with `poses.txt`. [`read_scene`](crate::read_scene) checks whether all files
-    /// are there. A scene of 3DMatch without any `.info` file is taken for one of ETH: name the layout if
-    /// you know it.
+    /// [`Yoho`](Self::Yoho) with descriptors, [`ScanNet`](Self::ScanNet) with a pose file of any
+    /// scan, [`ThreeDMatch`](Self::ThreeDMatch) with an `.info` file of any list,
+    /// [`Eth`](Self::Eth) with other lists, [`ScanNet`](Self::ScanNet) with `poses.txt`.
+    /// [`read_scene`](crate::read_scene) checks whether all files are there. A scene of 3DMatch
+    /// without any `.info` file is taken for one of ETH: name the layout if you know it.
     ///
     /// # Errors
     /// [`Error::Io`] if the folder or one of the subfolders of interest cannot be listed.

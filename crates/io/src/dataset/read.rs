@@ -13,19 +13,22 @@ use crate::Error;
 
 /// Lists the files of a scene and reads its ground truth. Clouds and descriptors are not opened.
 ///
-/// The scans are numbered 0, 1, 2, ... in the names of their clouds, or, in a scene of
-/// [`Layout::Yoho`] without clouds, of their keypoints. [`Layout`] tells which files are looked for,
+/// The names of the clouds number the scans 0, 1, 2, ... In a scene of [`Layout::Yoho`] without clouds, the
+/// names of the keypoints do. [`Layout`] tells which files are looked for,
 /// and where.
 ///
 /// # Errors
 /// * [`Error::NothingFound`] if there are no clouds, or for [`Layout::Yoho`] no descriptors.
 /// * [`Error::Io`] and [`Error::Malformed`] if a file of the ground truth cannot be read.
-/// * [`Error::Incomplete`], once for all of these that are found: gaps in the numbers of the scans or
-///   two files of one number; lists of pairs without their `.info` file where the layout requires
-///   it, or an `.info` file without its list; a `.log` and an `.info` file of different pairs; a list
-///   that counts other than the present scans, names an absent one, or pairs one with itself;
-///   overlaps or poses of absent scans; scans without a pose file, or a row in `poses.txt`, or with
-///   two; scans without keypoints or descriptors, and the reverse.
+/// * [`Error::Incomplete`], one error that names all problems of these kinds:
+///   * gaps in the numbers of the scans, or two files of one number;
+///   * a list of pairs without the `.info` file that the layout requires, or an `.info` file without its
+///     list;
+///   * a `.log` and an `.info` file of different pairs;
+///   * a list with another number of scans, with an absent scan, or with a pair of a scan and itself;
+///   * overlaps or poses of absent scans;
+///   * scans with no pose file or row of `poses.txt`, or with two;
+///   * scans without keypoints or descriptors, or keypoints or descriptors without a scan.
 ///
 /// # Example
 /// ```

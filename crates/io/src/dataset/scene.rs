@@ -66,16 +66,15 @@ impl Scene {
         })
     }
 
-    /// Takes keypoints and descriptors from a folder of their own, in one of the two forms of
+    /// Takes the files of keypoints and descriptors from a folder of their own, in one of the two forms of
     /// [`Layout::Yoho`](crate::Layout::Yoho).
     ///
-    /// A set belongs to the scan whose cloud's name ends in the same number; where clouds are without
-    /// such numbers, to the scan in the place of its number. Sets that a scan had are replaced.
+    /// [`descriptor_files_of_clouds`](crate::descriptor_files_of_clouds) says which set belongs to which
+    /// scan. Sets that a scan had are replaced.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder cannot be listed, [`Error::NothingFound`] if it has no descriptors.
-    /// [`Error::Incomplete`] if a scan has no set, a set half its files or no scan, or if two sets
-    /// have the same number; then the scene is as it was.
+    /// Those of [`descriptor_files_of_clouds`](crate::descriptor_files_of_clouds). Then the scene is as it
+    /// was.
     ///
     /// # Example
     /// ```
