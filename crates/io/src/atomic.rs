@@ -1,5 +1,6 @@
-//! A reader of a result must never see half of it: content goes to a temporary name in the same
-//! folder, and only when it is complete does it take the final name.
+//! Files that are written completely or not at all.
+//!
+//! Content goes to a temporary name in the same folder. It takes the final name when it is complete.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};

@@ -11,26 +11,30 @@ use crate::{Error, rigid};
 
 /// The relative pose of a pair of scans, an entry of `gt.log`.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LogEntry {
-    /// The scan into whose frame the pose leads.
+    /// The scan into whose frame the relative pose maps.
     pub i: usize,
-    /// The scan whose coordinates the pose maps.
+    /// The scan whose coordinates the relative pose maps.
     pub j: usize,
     /// How many scans the scene has.
-    pub num_fragments: usize,
-    /// The motion that maps coordinates of scan `j` into the frame of scan `i`.
+    pub num_scans: usize,
+    /// The relative pose, which maps coordinates of scan `j` into the frame of scan `i`.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub i_from_j: Isometry3<f64>,
 }
 
 /// How much the overlap of a pair constrains its relative pose, an entry of `gt.info`.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct InfoEntry {
     /// The first scan of the pair.
     pub i: usize,
     /// The second scan of the pair.
     pub j: usize,
     /// How many scans the scene has.
-    pub num_fragments: usize,
+    pub num_scans: usize,
     /// The 6×6 matrix as the file has it, in the order translation, rotation.
     ///
     /// The top left entry is the number of corresponding points; the benchmark divides the quadratic
@@ -46,8 +50,8 @@ pub struct InfoEntry {
 /// nine digits, so the 3×3 part is replaced by the nearest rotation.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for a wrong count
-/// of rows or numbers, numbers that are not finite, or a matrix that is off any rigid motion by
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for an unexpected count
+/// of rows or numbers, numbers that are not finite, or a matrix that is off any rigid transformation by
 /// more than 0.01 in an entry.
 ///
 /// # Example
@@ -59,7 +63,7 @@ pub struct InfoEntry {
 /// let path = folder.path().join("gt.log");
 /// std::fs::write(&path, "0 3 60\n0 -1 0 5\n1 0 0 6\n0 0 1 7\n0 0 0 1\n")?;
 /// let pairs = read_gt_log(&path)?;
-/// assert_eq!((pairs[0].i, pairs[0].j, pairs[0].num_fragments), (0, 3, 60));
+/// assert_eq!((pairs[0].i, pairs[0].j, pairs[0].num_scans), (0, 3, 60));
 /// let in_j = Point3::new(1.0, 0.0, 0.0);
 /// assert!((pairs[0].i_from_j * in_j - Point3::new(5.0, 7.0, 7.0)).norm() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -70,13 +74,13 @@ pub fn read_gt_log(path: impl AsRef<Path>) -> Result<Vec<LogEntry>, Error> {
     let mut lines = lines(path, &text);
     let mut entries = Vec::new();
     while let Some(mut header) = lines.next() {
-        let [i, j, num_fragments] = pair_header(&mut header)?;
+        let [i, j, num_scans] = pair_header(&mut header)?;
         let matrix = square::<4>(&header, &mut lines)?;
-        let i_from_j = rigid_motion(&matrix).map_err(|reason| header.error(reason))?;
+        let i_from_j = transformation(&matrix).map_err(|reason| header.error(reason))?;
         entries.push(LogEntry {
             i,
             j,
-            num_fragments,
+            num_scans,
             i_from_j,
         });
     }
@@ -88,7 +92,7 @@ pub fn read_gt_log(path: impl AsRef<Path>) -> Result<Vec<LogEntry>, Error> {
 /// An entry has seven lines: `i j n` as in `gt.log`, then the six rows of the matrix.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for a wrong count
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for an unexpected count
 /// of rows or numbers, or numbers that are not finite.
 ///
 /// # Example
@@ -109,12 +113,12 @@ pub fn read_gt_info(path: impl AsRef<Path>) -> Result<Vec<InfoEntry>, Error> {
     let mut lines = lines(path, &text);
     let mut entries = Vec::new();
     while let Some(mut header) = lines.next() {
-        let [i, j, num_fragments] = pair_header(&mut header)?;
+        let [i, j, num_scans] = pair_header(&mut header)?;
         let information = square::<6>(&header, &mut lines)?;
         entries.push(InfoEntry {
             i,
             j,
-            num_fragments,
+            num_scans,
             information,
         });
     }
@@ -124,9 +128,9 @@ pub fn read_gt_info(path: impl AsRef<Path>) -> Result<Vec<InfoEntry>, Error> {
 fn pair_header(line: &mut Line) -> Result<[usize; 3], Error> {
     let i = line.index("the first scan of the pair")?;
     let j = line.index("the second scan of the pair")?;
-    let num_fragments = line.index("the number of scans")?;
+    let num_scans = line.index("the number of scans")?;
     line.end()?;
-    Ok([i, j, num_fragments])
+    Ok([i, j, num_scans])
 }
 
 /// The N×N matrix of the next N lines, which belong to the entry that `header` opens.
@@ -146,7 +150,7 @@ fn square<'a, const N: usize>(
     Ok(matrix)
 }
 
-fn rigid_motion(matrix: &SMatrix<f64, 4, 4>) -> Result<Isometry3<f64>, String> {
+fn transformation(matrix: &SMatrix<f64, 4, 4>) -> Result<Isometry3<f64>, String> {
     rigid::check_last_row(std::array::from_fn(|column| matrix[(3, column)]))?;
     rigid::from_matrix_rows(std::array::from_fn(|k| matrix[(k / 4, k % 4)]))
 }
@@ -162,7 +166,7 @@ fn rigid_motion(matrix: &SMatrix<f64, 4, 4>) -> Result<Isometry3<f64>, String> {
 /// use gmpcr_io::{LogEntry, read_gt_log, write_gt_log};
 /// use nalgebra::Isometry3;
 ///
-/// let pair = LogEntry { i: 0, j: 2, num_fragments: 3, i_from_j: Isometry3::translation(0.5, 0.0, 1.0) };
+/// let pair = LogEntry { i: 0, j: 2, num_scans: 3, i_from_j: Isometry3::translation(0.5, 0.0, 1.0) };
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("est.log");
 /// write_gt_log(&path, std::slice::from_ref(&pair))?;
@@ -172,7 +176,7 @@ fn rigid_motion(matrix: &SMatrix<f64, 4, 4>) -> Result<Isometry3<f64>, String> {
 pub fn write_gt_log(path: impl AsRef<Path>, entries: &[LogEntry]) -> Result<(), Error> {
     write_atomically(path.as_ref(), |file| {
         for entry in entries {
-            writeln!(file, "{}\t{}\t{}", entry.i, entry.j, entry.num_fragments)?;
+            writeln!(file, "{}\t{}\t{}", entry.i, entry.j, entry.num_scans)?;
             for [a, b, c, d] in rigid::matrix_rows(&entry.i_from_j) {
                 writeln!(file, "{a:?}\t{b:?}\t{c:?}\t{d:?}")?;
             }
@@ -204,10 +208,7 @@ mod tests {
              0.00000000e+00\t  0.00000000e+00\t  0.00000000e+00\t  1.00000000e+00\t\n",
         );
         let pairs = read_gt_log(path).unwrap();
-        assert_eq!(
-            (pairs[0].i, pairs[0].j, pairs[0].num_fragments),
-            (3, 17, 60)
-        );
+        assert_eq!((pairs[0].i, pairs[0].j, pairs[0].num_scans), (3, 17, 60));
         let matrix = pairs[0].i_from_j.to_homogeneous();
         assert!((matrix[(0, 1)] - 6.687_357_57e-2).abs() < 1e-6);
         assert_eq!(matrix[(2, 3)], 0.114_874_890);
@@ -220,7 +221,7 @@ mod tests {
         let (_folder, path) = file("0 1 2\n0 0 0 0\n0 0 0 0\n0 0 0 0\n0 0 0 1\n");
         let error = read_gt_log(path).unwrap_err().to_string();
         assert!(
-            error.contains("gt.txt:1: the 3x3 part is no rotation"),
+            error.contains("gt.txt:1: the 3x3 part is not a rotation"),
             "{error}"
         );
     }

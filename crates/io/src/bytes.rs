@@ -14,7 +14,7 @@ pub(crate) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// Opens the file and looks whether it starts with `magic`, which marks a file as `format`.
+    /// Opens the file and checks that it starts with `magic`, the mark of files of this `format`.
     pub(crate) fn open(path: &'a Path, format: &str, magic: &[u8]) -> Result<Self, Error> {
         let file = File::open(path).map_err(Error::io("open", path))?;
         let length = file.metadata().map_err(Error::io("open", path))?.len();
@@ -33,10 +33,9 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// The lines up to the one that `is_last` accepts, after which the reader stands then; what is
-    /// no text in them is replaced.
+    /// Reads the lines up to the one that `is_last` accepts. Bytes that are not text are replaced.
     ///
-    /// Without such a line these are all lines; the parser of the header has to notice.
+    /// Without such a line these are all lines. The parser of the header has to notice that.
     pub(crate) fn header(&mut self, is_last: fn(&str) -> bool) -> Result<String, Error> {
         const LONGEST: u64 = 1 << 22;
         let mut reader = self.reader.by_ref().take(LONGEST);
@@ -58,10 +57,10 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Counts in a header are promises; no memory is spent before the file is known to hold them.
+    /// Checks that the file holds what its header announces, before memory is reserved for it.
     ///
-    /// `what` describes what needs at least `needed` bytes; `None` stands for more than a number
-    /// can say.
+    /// `what` names the content, which needs at least `needed` bytes. `None` is a number of bytes that
+    /// overflows.
     pub(crate) fn expect_left(&mut self, needed: Option<u64>, what: &str) -> Result<(), Error> {
         let left = self.bytes_left()?;
         match needed {
@@ -73,7 +72,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Goes on at a place of the file, which may lie behind its end.
+    /// Continues at a place of the file, which may lie behind its end.
     #[cfg(feature = "las")]
     pub(crate) fn seek(&mut self, place: u64) -> Result<(), Error> {
         let sought = self.reader.seek(std::io::SeekFrom::Start(place));

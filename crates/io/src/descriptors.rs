@@ -1,172 +1,116 @@
-//! Keypoints of a scan and what describes them.
+//! Keypoints of a scan and their descriptors, in two files.
 
-use std::path::Path;
+#[cfg(feature = "scans")]
+mod scan;
 
-use nalgebra::Point3;
+use std::path::{Path, PathBuf};
 
-use crate::{DescriptorFiles, Error, read_npy_matrix};
+use crate::Error;
+use crate::folder::file_names;
 
-/// Descriptors of equal length, one after another.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Descriptors {
-    /// How many numbers a descriptor has; at least one.
-    pub dimension: usize,
-    /// The numbers: descriptor `k` is `values[k * dimension..(k + 1) * dimension]`.
-    pub values: Vec<f32>,
-}
+pub(crate) const KEYPOINTS: &str = ".kpts.npy";
+pub(crate) const DESCRIPTORS: &str = ".desc.npy";
 
-impl DescriptorFiles {
-    /// Reads keypoints and descriptors: equally many, and all keypoints finite.
-    ///
-    /// # Errors
-    /// Those of [`read_keypoints`] and [`read_descriptors`], and [`Error::Malformed`] where numbers differ
-    /// or a keypoint is not finite.
-    pub fn read(&self) -> Result<(Vec<Point3<f64>>, Descriptors), Error> {
-        let keypoints = read_keypoints(&self.keypoints)?;
-        let descriptors = read_descriptors(&self.descriptors)?;
-        let num_rows = descriptors.values.len() / descriptors.dimension;
-        if num_rows != keypoints.len() {
-            let reason = format!(
-                "{num_rows} descriptors, but {} holds {} keypoints",
-                self.keypoints.display(),
-                keypoints.len()
-            );
-            return Err(Error::malformed(&self.descriptors, reason));
-        }
-        let is_finite = |keypoint: &Point3<f64>| keypoint.iter().all(|x| x.is_finite());
-        match keypoints.iter().position(|keypoint| !is_finite(keypoint)) {
-            None => Ok((keypoints, descriptors)),
-            Some(row) => {
-                let reason = format!("the keypoint in row {row} is not finite");
-                Err(Error::malformed(&self.keypoints, reason))
-            }
-        }
-    }
-}
-
-/// Reads keypoints from an n×3 `.npy` array of `float32` or `float64`, a point per row.
+/// Keypoints of a scan and their descriptors: two files whose rows correspond.
 ///
-/// All rows are kept, also those that are not finite, since row `k` belongs to row `k` of the
-/// descriptors.
+/// With the feature `scans`, its method `read` reads both.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DescriptorFiles {
+    /// What the two file names have in common; in a [`Scene`](crate::Scene) the number of the set.
+    pub name: String,
+    /// The n×3 array of points, for [`read_npy_matrix`](crate::read_npy_matrix).
+    pub keypoints: PathBuf,
+    /// The n×d array of descriptors, for [`read_npy_matrix`](crate::read_npy_matrix).
+    pub descriptors: PathBuf,
+}
+
+/// The pairs `<name>.kpts.npy`, `<name>.desc.npy` of a folder in natural order of their names.
 ///
 /// # Errors
-/// As for [`read_npy_matrix`], and [`Error::Malformed`] if there are not three columns.
+/// [`Error::Io`] if the folder cannot be listed, [`Error::NothingFound`] if it has no such file,
+/// [`Error::Unpaired`] if one of the two stands alone.
 ///
 /// # Example
 /// ```
-/// use gmpcr_io::read_keypoints;
-/// use npyz::WriterBuilder;
+/// use gmpcr_io::{Error, descriptor_files};
 ///
 /// let folder = tempfile::tempdir()?;
-/// let path = folder.path().join("0.kpts.npy");
-/// let mut file = npyz::WriteOptions::new()
-///     .default_dtype()
-///     .shape(&[2, 3])
-///     .writer(std::fs::File::create(&path)?)
-///     .begin_nd()?;
-/// file.extend([1.0f32, 2.0, 3.0, 4.0, 5.0, 6.0])?;
-/// file.finish()?;
+/// for name in ["10.desc.npy", "10.kpts.npy", "9.desc.npy", "9.kpts.npy"] {
+///     std::fs::write(folder.path().join(name), "")?;
+/// }
+/// let scans = descriptor_files(folder.path())?;
+/// assert_eq!(scans[0].name, "9");
+/// assert_eq!(scans[1].keypoints, folder.path().join("10.kpts.npy"));
 ///
-/// assert_eq!(read_keypoints(&path)?, [[1.0, 2.0, 3.0].into(), [4.0, 5.0, 6.0].into()]);
+/// std::fs::write(folder.path().join("11.kpts.npy"), "")?;
+/// assert!(matches!(descriptor_files(folder.path()), Err(Error::Unpaired { .. })));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read_keypoints(path: impl AsRef<Path>) -> Result<Vec<Point3<f64>>, Error> {
-    let path = path.as_ref();
-    let matrix = read_npy_matrix(path)?;
-    if matrix.columns != 3 {
-        let (rows, columns) = (matrix.rows, matrix.columns);
-        let reason = format!("keypoints are n x 3, but the array is {rows} x {columns}");
-        return Err(Error::malformed(path, reason));
+pub fn descriptor_files(folder: impl AsRef<Path>) -> Result<Vec<DescriptorFiles>, Error> {
+    let folder = folder.as_ref();
+    let names = file_names(folder)?;
+    let with_ending = |ending: &str| -> Vec<&str> {
+        let stems = names.iter().filter_map(|name| name.strip_suffix(ending));
+        stems.collect()
+    };
+    let scans = with_ending(KEYPOINTS);
+    let descriptors = with_ending(DESCRIPTORS);
+    check_paired(folder, (&scans, KEYPOINTS), (&descriptors, DESCRIPTORS))?;
+    check_paired(folder, (&descriptors, DESCRIPTORS), (&scans, KEYPOINTS))?;
+    if scans.is_empty() {
+        return Err(Error::NothingFound {
+            folder: folder.to_owned(),
+            wanted: "pair of <name>.kpts.npy and <name>.desc.npy",
+        });
     }
-    let points = matrix.values.chunks_exact(3);
-    Ok(points.map(Point3::from_slice).collect())
+    let files = scans.into_iter().map(|name| DescriptorFiles {
+        name: name.to_owned(),
+        keypoints: folder.join(format!("{name}{KEYPOINTS}")),
+        descriptors: folder.join(format!("{name}{DESCRIPTORS}")),
+    });
+    Ok(files.collect())
 }
 
-/// Reads descriptors from an n×d `.npy` array of `float32` or `float64`, a descriptor per row.
-///
-/// Wider numbers are rounded to `f32`. All rows are kept, also those that are not finite, since row
-/// `k` belongs to row `k` of the keypoints.
-///
-/// # Errors
-/// As for [`read_npy_matrix`], and [`Error::Malformed`] if there are no columns.
-///
-/// # Example
-/// ```
-/// use gmpcr_io::read_descriptors;
-/// use npyz::WriterBuilder;
-///
-/// let folder = tempfile::tempdir()?;
-/// let path = folder.path().join("0.desc.npy");
-/// let mut file = npyz::WriteOptions::new()
-///     .default_dtype()
-///     .shape(&[3, 2])
-///     .writer(std::fs::File::create(&path)?)
-///     .begin_nd()?;
-/// file.extend([0.0f32, 1.0, 0.6, 0.8, 1.0, 0.0])?;
-/// file.finish()?;
-///
-/// let descriptors = read_descriptors(&path)?;
-/// assert_eq!(descriptors.dimension, 2);
-/// assert_eq!(descriptors.values[2..4], [0.6, 0.8]);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn read_descriptors(path: impl AsRef<Path>) -> Result<Descriptors, Error> {
-    let path = path.as_ref();
-    let matrix = read_npy_matrix(path)?;
-    if matrix.columns == 0 {
-        return Err(Error::malformed(
-            path,
-            "descriptors need columns, but the array is 0 x 0",
-        ));
+fn check_paired(
+    folder: &Path,
+    (present, present_ending): (&[&str], &str),
+    (partners, missing_ending): (&[&str], &str),
+) -> Result<(), Error> {
+    match present.iter().find(|name| !partners.contains(name)) {
+        None => Ok(()),
+        Some(name) => Err(Error::Unpaired {
+            present: folder.join(format!("{name}{present_ending}")),
+            missing: folder.join(format!("{name}{missing_ending}")),
+        }),
     }
-    Ok(Descriptors {
-        dimension: matrix.columns,
-        values: matrix
-            .values
-            .into_iter()
-            .map(|value| value as f32)
-            .collect(),
-    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use npyz::WriterBuilder;
+    use std::fs;
 
-    /// What reading says of keypoints with these coordinates and of as many descriptors.
-    fn complaint(coordinates: &[f64], num_descriptors: usize) -> String {
+    #[test]
+    fn missing_and_empty_folders_are_named() {
         let folder = tempfile::tempdir().unwrap();
-        let write = |name: &str, columns: usize, entries: &[f64]| {
-            let path = folder.path().join(name);
-            let shape = [(entries.len() / columns) as u64, columns as u64];
-            let options = npyz::WriteOptions::new().default_dtype().shape(&shape);
-            let file = std::fs::File::create(&path).unwrap();
-            let mut array = options.writer(file).begin_nd().unwrap();
-            array.extend(entries.iter().copied()).unwrap();
-            array.finish().unwrap();
-            path
-        };
-        let files = DescriptorFiles {
-            name: "7".into(),
-            keypoints: write("7.kpts.npy", 3, coordinates),
-            descriptors: write("7.desc.npy", 2, &vec![0.5; 2 * num_descriptors]),
-        };
-        files
-            .read()
-            .map_or_else(|error| error.to_string(), |_| String::new())
+        assert!(matches!(
+            descriptor_files(folder.path()),
+            Err(Error::NothingFound { .. })
+        ));
+        let missing = folder.path().join("missing");
+        assert!(matches!(descriptor_files(&missing), Err(Error::Io { .. })));
     }
 
     #[test]
-    fn keypoints_and_descriptors_are_equally_many_and_finite() {
-        assert_eq!(complaint(&[0.0; 6], 2), "");
-        let said = complaint(&[0.0; 6], 3);
-        assert!(said.contains("7.desc.npy: 3 descriptors, but "), "{said}");
-        assert!(said.ends_with("7.kpts.npy holds 2 keypoints"), "{said}");
-        let said = complaint(&[0.0, 0.0, 0.0, 0.0, f64::NAN, 0.0], 2);
-        assert!(
-            said.ends_with("7.kpts.npy: the keypoint in row 1 is not finite"),
-            "{said}"
-        );
+    fn a_lone_file_of_either_kind_is_named_with_its_partner() {
+        for (present, missing) in [("4.kpts.npy", "4.desc.npy"), ("4.desc.npy", "4.kpts.npy")] {
+            let folder = tempfile::tempdir().unwrap();
+            fs::write(folder.path().join(present), "").unwrap();
+            let error = descriptor_files(folder.path()).unwrap_err().to_string();
+            assert!(
+                error.contains(present) && error.contains(missing),
+                "{error}"
+            );
+        }
     }
 }

@@ -16,11 +16,11 @@ use crate::{Error, PointFile, rigid};
 pub struct E57Scan {
     /// The name that the file gives the scan.
     pub name: Option<String>,
-    /// The points in the frame of the scan, as stored, in metres: the scanner stood in the origin.
+    /// The points in the frame of the scan, as stored, in meters: the scanner stood in the origin.
     /// (Some programs store all scans in the frame of the file already, and no pose.)
     pub points: PointFile,
-    /// The pose that the file gives the scan, which maps its points into the frame that all scans of
-    /// the file share; the identity if the file gives none.
+    /// The pose of the scan in the frame of the file, which is common to all its scans. The identity if
+    /// the file has no pose.
     pub file_from_scan: Isometry3<f64>,
 }
 
@@ -28,8 +28,8 @@ pub struct E57Scan {
 ///
 /// Cartesian coordinates are taken where a scan has them, otherwise spherical ones are converted,
 /// `x = r cos(elevation) cos(azimuth)`, `y = r cos(elevation) sin(azimuth)`, `z = r sin(elevation)`.
-/// Points that the file marks as invalid, or of which it knows the direction only, are left out and
-/// counted, see [`PointFile`]. The order is that of the file.
+/// Points that the file marks as invalid are left out and counted, see [`PointFile`]. Points with only a
+/// direction count as invalid. The order is that of the file.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is empty, foreign, cut off,

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 /// Why a file could not be read or written: which file, where in it, and the reason.
 ///
-/// The message of each variant is complete in itself; [`source`](std::error::Error::source) hands
-/// out the error of the operating system or of the format's parser where there is one.
+/// The message of each variant is complete in itself. [`source`](std::error::Error::source) is the error
+/// of the operating system or of the format's parser where there is one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -27,23 +27,22 @@ pub enum Error {
         path: PathBuf,
         /// Line of the file, counted from 1, where the format has lines.
         line: Option<usize>,
-        /// What is wrong and what would be right.
+        /// What the problem is, and what would be allowed.
         reason: String,
         /// The error of the parser underneath, if it was the one to notice.
         source: Option<Box<dyn StdError + Send + Sync>>,
     },
 
-    /// What should be written is nothing that the format can hold, by the caller's fault; the file is
-    /// as it was before.
+    /// The format cannot hold what should be written. The file is as it was before.
     #[error("cannot write {}: {reason}", path.display())]
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// What the problem is.
         reason: String,
     },
 
-    /// The file name does not tell a point file of a known kind.
+    /// The extension is not that of a known kind of point file.
     #[error(
         "{}: unknown kind of point file, known extensions are .{}",
         path.display(),
@@ -93,7 +92,7 @@ pub enum Error {
     Incomplete {
         /// The folder of the scene, or of its descriptors.
         folder: PathBuf,
-        /// What is wrong, a clause for each kind of problem. Each names its files, relative to the
+        /// The problems, a clause for each kind. Each names its files, relative to the
         /// folder where they are inside, and cuts long lists after a few: "and 7 more".
         problems: Vec<String>,
     },
@@ -149,7 +148,7 @@ fn place(path: &Path, line: Option<usize>) -> String {
     }
 }
 
-/// Messages quote the offending words, which in a foreign file may be megabytes of noise.
+/// Messages quote the offending words, which may be megabytes in a file of another format.
 fn in_one_line(message: &str) -> String {
     const LONGEST: usize = 200;
     let words: Vec<&str> = message.split_whitespace().take(LONGEST).collect();

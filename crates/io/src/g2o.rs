@@ -1,4 +1,4 @@
-//! Pose graphs in the text format of the g2o optimiser.
+//! Pose graphs in the text format of the g2o optimizer.
 
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -15,6 +15,7 @@ const EDGE: &str = "EDGE_SE3:QUAT";
 
 /// A pose graph: vertices with poses in the world, edges with measured relative poses.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct G2o {
     /// The vertices, in the order of the file.
     pub vertices: Vec<G2oVertex>,
@@ -24,15 +25,18 @@ pub struct G2o {
 
 /// A vertex and its pose.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct G2oVertex {
     /// What the edges call it. Ids need not be consecutive.
     pub id: usize,
-    /// The motion that maps the vertex' coordinates into the world.
+    /// The pose, which maps the vertex' coordinates into the world.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub world_from_vertex: Isometry3<f64>,
 }
 
-/// A measured relative pose and how much it is worth.
+/// A measured relative pose and how certain it is.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct G2oEdge {
     /// Id of the vertex `i`, which the line names first.
     pub i: usize,
@@ -40,6 +44,7 @@ pub struct G2oEdge {
     pub j: usize,
     /// The measured `world_from_i^-1 * world_from_j`: it maps the coordinates of `j` into the
     /// frame of `i`.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub i_from_j: Isometry3<f64>,
     /// Inverse covariance of the measurement, in the order translation, rotation.
     ///
@@ -55,19 +60,20 @@ pub struct G2oEdge {
 /// VERTEX_SE3:QUAT id  x y z qx qy qz qw
 /// EDGE_SE3:QUAT   i j x y z qx qy qz qw  I11 I12 .. I16 I22 .. I66
 /// ```
-/// A vertex gives the motion from its own frame into the world, an edge the motion from the frame
-/// of `j` into that of `i`, both with the quaternion's scalar last, and the 21 numbers at the end
-/// are the upper triangle of the information matrix, row by row, in the order translation,
-/// rotation. Quaternions are brought to unit length. Comments (from `#` to the end of the line) and
-/// records of other things, `FIX` and parameters among them, are passed over. Vertices and edges of
+/// A vertex has its pose, from its own frame into the world. An edge has its relative pose, from the
+/// frame of `j` into that of `i`. Quaternions have the scalar last. The 21 numbers at the end of an edge
+/// are the upper triangle of the information matrix, row by row, in the order translation, rotation.
+///
+/// Quaternions are brought to unit length. Comments (from `#` to the end of the line) and
+/// records of other things, `FIX` and parameters among them, are skipped. Vertices and edges of
 /// any other kind, landmarks among them, are refused: without them the graph would be another one.
 ///
 /// Edges may name vertices that the file does not list.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for a wrong count
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for an unexpected count
 /// of numbers, numbers that are not finite, a quaternion whose length is off 1 by more than 0.01, an
-/// id given twice, a line that is no g2o record, or a vertex or an edge of another kind.
+/// id given twice, a line that is not a g2o record, or a vertex or an edge of another kind.
 /// [`Error::Malformed`] also if the file has neither a vertex nor an edge.
 ///
 /// # Example
@@ -114,7 +120,7 @@ fn vertex(mut line: Line, ids: &mut BTreeSet<usize>) -> Result<G2oVertex, Error>
     if !ids.insert(id) {
         return Err(line.error(format!("vertex {id} is given a second time")));
     }
-    let world_from_vertex = motion(&mut line)?;
+    let world_from_vertex = pose(&mut line)?;
     line.end_or_comment()?;
     Ok(G2oVertex {
         id,
@@ -125,7 +131,7 @@ fn vertex(mut line: Line, ids: &mut BTreeSet<usize>) -> Result<G2oVertex, Error>
 fn edge(mut line: Line) -> Result<G2oEdge, Error> {
     let i = line.index("the first vertex of the edge")?;
     let j = line.index("the second vertex of the edge")?;
-    let i_from_j = motion(&mut line)?;
+    let i_from_j = pose(&mut line)?;
     let information = symmetric(line.numbers("the information matrix")?);
     line.end_or_comment()?;
     Ok(G2oEdge {
@@ -136,7 +142,7 @@ fn edge(mut line: Line) -> Result<G2oEdge, Error> {
     })
 }
 
-fn motion(line: &mut Line) -> Result<Isometry3<f64>, Error> {
+fn pose(line: &mut Line) -> Result<Isometry3<f64>, Error> {
     let row = line.numbers("the pose")?;
     rigid::from_quaternion_row(row).map_err(|reason| line.error(reason))
 }
@@ -155,8 +161,8 @@ fn upper_entries() -> impl Iterator<Item = (usize, usize)> {
     (0..6).flat_map(|row| (row..6).map(move |column| (row, column)))
 }
 
-/// Refuses what is no record, and vertices and edges of another kind: without them the graph would
-/// be another one.
+/// Refuses lines that are not records. Refuses vertices and edges of another kind, too: without them the
+/// graph would be another one.
 fn check_skippable(line: &Line, record: &str) -> Result<(), Error> {
     let part_of_a_name = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || "_:".contains(c);
     if record.starts_with("VERTEX") || record.starts_with("EDGE") {
@@ -166,7 +172,7 @@ fn check_skippable(line: &Line, record: &str) -> Result<(), Error> {
         )));
     }
     if !record.chars().all(part_of_a_name) {
-        return Err(line.error(format!("{record:?} is no g2o record")));
+        return Err(line.error(format!("{record:?} is not a g2o record")));
     }
     Ok(())
 }
@@ -320,7 +326,10 @@ mod tests {
         let good = "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 1";
         for (bad, reason) in [
             (good, "vertex 0 is given a second time"),
-            ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0 0", "length 0 is no rotation"),
+            (
+                "VERTEX_SE3:QUAT 1 1 2 3 0 0 0 0",
+                "length 0 is not a rotation",
+            ),
             ("VERTEX_SE3:QUAT 1 1 2 inf 0 0 0 1", "not a finite number"),
             ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0", "number 7 of 7 of the pose"),
             ("VERTEX_SE3:QUAT 1 1 2 3 0 0 0 1 5", "\"5\" follows"),
@@ -329,7 +338,7 @@ mod tests {
                 "EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1 5",
                 "number 2 of 21 of the information",
             ),
-            ("These are words", "no g2o record"),
+            ("These are words", "not a g2o record"),
         ] {
             let said = complaint(&format!("{good}\n{bad}\n"));
             assert!(

@@ -13,9 +13,9 @@ use crate::{Error, PointFile};
 /// Reads the points of a LAS file, or with the feature `laz` of a LAZ file.
 ///
 /// The versions 1.0 to 1.4 and all point formats are read. A coordinate is `offset + scale * n` for a
-/// whole number `n`, which loses nothing of what the file has. All points are kept, those marked as
-/// withheld or classified as noise too. Coordinates are in the unit and the frame of the file, often a
-/// projection of the Earth; that of the file is not looked at.
+/// whole number `n`. All points are kept, also those marked as withheld or classified as noise.
+/// Coordinates are in the unit and the frame of the file, often a projection of the Earth. The projection
+/// is not read.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read, [`Error::FeatureOff`] if it is compressed and this build
@@ -24,9 +24,9 @@ use crate::{Error, PointFile};
 /// an error too.
 ///
 /// # Panics
-/// Never, but the decompressor of LAZ may panic inside where the data are damaged. That is caught and
-/// becomes [`Error::Malformed`]; the panic hook of the program is called before, and by default prints
-/// a line. A program built with `panic = "abort"` ends there.
+/// Never. The decompressor of LAZ may panic inside if the data are damaged. That is caught and becomes
+/// [`Error::Malformed`]. Before that the panic hook of the program is called, which by default prints a
+/// line. A program built with `panic = "abort"` ends there.
 pub fn read_las(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     let path = path.as_ref();
     let mut source = Source::open(path, "LAS", b"LASF")?;
@@ -35,7 +35,7 @@ pub fn read_las(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     check_extended_record(&mut source, &header)?;
     if is_compressed(&header) {
         #[cfg(feature = "laz")]
-        return crate::laz::check(&mut source, &header).and_then(|()| {
+        return crate::laz::check(&mut source, &header, num_points(&header)).and_then(|()| {
             source.seek(0)?;
             crate::laz::guard(path, || read_all(path, source.reader))
         });
@@ -75,8 +75,8 @@ fn is_compressed(header: &Header) -> bool {
     header.point_data_record_format & 0xC0 != 0
 }
 
-/// How many points the header announces, as the reader takes it: the 32 bits of old versions first.
-pub(crate) fn num_points(header: &Header) -> u64 {
+/// How many points the header announces. As in the reader, the 32 bits of old versions come first.
+fn num_points(header: &Header) -> u64 {
     let large = header
         .large_file
         .map_or(0, |large| large.number_of_point_records);
@@ -94,7 +94,7 @@ fn check_size(source: &mut Source, header: &Header) -> Result<(), Error> {
     source.expect_left(needed, &format!("{points} points"))
 }
 
-/// The reader reserves what the first extended record says that it is long.
+/// Checks the length of the first extended record, which the reader reserves.
 fn check_extended_record(source: &mut Source, header: &Header) -> Result<(), Error> {
     let Some(records) = &header.evlr else {
         return Ok(());

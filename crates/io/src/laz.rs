@@ -1,7 +1,8 @@
-//! What a compressed LAS file says about its chunks, checked before the decompressor believes it.
+//! Checks of what a compressed LAS file says about its chunks, before the decompressor relies on it.
 //!
-//! The points come in chunks, of equal numbers of points or of numbers in a table, compressed point by
-//! point up to format 5, and by layers from 6 on: then the sizes of the layers precede each chunk.
+//! Points come in chunks. All chunks have the same number of points, or a table lists their numbers. Up to
+//! format 5 a chunk is compressed point by point. From format 6 on it is compressed by layers, and the
+//! sizes of the layers precede it.
 
 use std::io::Read;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,19 +13,17 @@ use ::laz::laszip::ChunkTable;
 use ::laz::{LazItemRecordBuilder, LazVlr};
 
 use crate::bytes::Source;
-use crate::las::num_points;
 use crate::{Error, PointFile};
 
-/// Of the symbols that tell a point from the one before, three are never left out, and none takes less
-/// than a 32768th of certainty allows: together a hundredth of a bit.
+/// A point is coded by its difference to the one before. Three symbols of it are never left out, and the
+/// probability of none comes closer to 1 than by 1/32768. Together they take a hundredth of a bit.
 const MOST_POINTS_OF_A_BYTE: u64 = 1000;
 
-/// Makes sure that the decompressor can follow the file: it reserves what sizes of tables and layers
-/// say, and looks up chunks without asking whether they exist.
-pub(crate) fn check(source: &mut Source, header: &raw::Header) -> Result<(), Error> {
+/// Checks that the decompressor can follow the file. It reserves as much as sizes of tables and layers
+/// announce, and looks up chunks without checking that they exist.
+pub(crate) fn check(source: &mut Source, header: &raw::Header, points: u64) -> Result<(), Error> {
     let path = source.path;
     let fault = |reason: &str| Err(Error::malformed(path, reason));
-    let points = num_points(header);
     let record = u64::from(header.point_data_record_length);
     if points > MOST_POINTS_OF_A_BYTE.saturating_mul(source.length()) {
         let reason = format!("{} bytes cannot unpack to {points} points", source.length());
@@ -55,15 +54,14 @@ pub(crate) fn check(source: &mut Source, header: &raw::Header) -> Result<(), Err
     Ok(())
 }
 
-/// The decompressor asserts what only damaged data contradict, mostly in builds for debugging; here
-/// that is an error like others.
+/// Turns panics of the decompressor, whose assertions only damaged data violate, into errors.
 ///
-/// The hook of the program for panics is called nevertheless, and by default prints a line.
+/// The panic hook of the program is called nevertheless. By default it prints a line.
 pub(crate) fn guard(
     path: &Path,
     read: impl FnOnce() -> Result<PointFile, Error>,
 ) -> Result<PointFile, Error> {
-    // What the closure owns is gone afterwards, so nothing half-changed can be seen.
+    // The closure owns what it changes, so nothing half-changed can be seen.
     catch_unwind(AssertUnwindSafe(read))
         .unwrap_or_else(|_| Err(Error::malformed(path, "the compressed points are damaged")))
 }
@@ -97,7 +95,7 @@ fn is_layered(format: u8) -> bool {
     format >= 6
 }
 
-/// A point of format 6 has nine layers, each further part one, extra bytes one each.
+/// A point of format 6 has nine layers. Each further part has one, and each extra byte.
 fn num_layers(format: u8, vlr: &LazVlr) -> u64 {
     let extra: u64 = vlr
         .items()
@@ -115,7 +113,7 @@ fn num_layers(format: u8, vlr: &LazVlr) -> u64 {
     9 + parts + extra
 }
 
-/// The numbers of points of the chunks, where they differ.
+/// The numbers of points of the chunks; empty if all are equal.
 fn chunk_sizes(
     source: &mut Source,
     start: u64,
@@ -176,7 +174,7 @@ struct Layers {
 }
 
 impl Layers {
-    /// Follows the chunks to the last point; the sizes of all layers must fit into the file.
+    /// Follows the chunks to the last point and checks that all layers fit into the file.
     fn check(
         &self,
         source: &mut Source,

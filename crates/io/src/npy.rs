@@ -1,4 +1,4 @@
-//! Matrices in NumPy's array format, the common tongue of learned features.
+//! Matrices in NumPy's array format, the usual one for learned features.
 
 use std::io::Read;
 use std::path::Path;
@@ -10,6 +10,7 @@ use crate::{Error, PointFile};
 
 /// A matrix of numbers, row by row.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NpyMatrix {
     /// Number of rows.
     pub rows: usize,
@@ -27,7 +28,7 @@ pub struct NpyMatrix {
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is empty, foreign or cut
 /// off, or holds another number of dimensions or another type, or rows without columns; the message
-/// tells which. The file is checked before memory is reserved, so a false shape in the header is an
+/// says which. The file is checked before memory is reserved, so a false shape in the header is an
 /// error too.
 ///
 /// # Example
@@ -159,7 +160,7 @@ impl<'a> Header<'a> {
         Ok(scan)
     }
 
-    /// Hands out all entries in the order of the file.
+    /// Passes all entries to `take`, in the order of the file.
     fn for_each(self, reader: &mut impl Read, take: impl FnMut(f64)) -> Result<(), Error> {
         match self.is_double {
             true => self.for_each_of::<f64>(reader, take),
@@ -182,10 +183,10 @@ impl<'a> Header<'a> {
     }
 }
 
-/// The header, after which `reader` stands then.
+/// Reads the header.
 ///
-/// Turns away headers that would overwhelm the header parser, which multiplies the shape without
-/// looking for overflow, descends into nested brackets, and reserves whatever length it is told.
+/// Refuses headers that would overwhelm the header parser. It multiplies the shape without a check for
+/// overflow, descends into nested brackets, and reserves whatever length it is given.
 ///
 /// A header of a plain matrix is short and flat, and the decimal digits of its shape are few: up to
 /// 18 of them, besides the digit of the type, multiply to less than 2^64.
@@ -269,7 +270,6 @@ fn by_rows(by_columns: &[f64], rows: usize, columns: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{read_descriptors, read_keypoints};
     use std::fs;
 
     fn npy(header: &str, entries: &[u8]) -> Vec<u8> {
@@ -377,9 +377,8 @@ mod tests {
 
     #[test]
     fn arrays_without_rows_are_no_error() {
-        let (_folder, path) = file(&npy(&header("<f4", "False", "0, 3"), &[]));
-        assert!(read_keypoints(&path).unwrap().is_empty());
-        assert_eq!(read_descriptors(&path).unwrap().dimension, 3);
+        let matrix = read(&npy(&header("<f4", "False", "0, 3"), &[])).unwrap();
+        assert_eq!((matrix.rows, matrix.columns, matrix.values), (0, 3, vec![]));
     }
 
     #[test]
@@ -427,19 +426,6 @@ mod tests {
                 "{said}"
             );
         }
-    }
-
-    #[test]
-    fn keypoints_and_descriptors_tell_their_shape() {
-        let (_folder, path) = file(&npy(&header("<f4", "False", "1, 4"), &[0; 16]));
-        let said = read_keypoints(&path).unwrap_err().to_string();
-        assert!(
-            said.contains("keypoints are n x 3, but the array is 1 x 4"),
-            "{said}"
-        );
-        let (_folder, path) = file(&npy(&header("<f4", "False", "0, 0"), &[]));
-        let said = read_descriptors(&path).unwrap_err().to_string();
-        assert!(said.contains("the array is 0 x 0"), "{said}");
     }
 
     #[test]

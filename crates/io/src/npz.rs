@@ -21,7 +21,7 @@ type Archive = ZipArchive<BufReader<File>>;
 /// The points of a `.npz` file: the first three columns of the array that has one of the usual names,
 /// otherwise of the only matrix that is wide enough.
 ///
-/// Points are taken from the array as it is unpacked, and no more is unpacked than its shape tells.
+/// Points are taken while the array is unpacked. No more is unpacked than its shape announces.
 pub(crate) fn read_points(path: &Path) -> Result<PointFile, Error> {
     let source = Source::open(path, "NPZ", b"PK")?;
     let archive = ZipArchive::new(source.reader);

@@ -13,9 +13,9 @@ use crate::{Error, PointFile};
 /// Reads the points of a PCD file.
 ///
 /// All three encodings of the versions 0.5 to 0.7 are read: ascii, binary and binary_compressed.
-/// There must be the fields `x`, `y` and `z`, each one float or double; other fields are passed
-/// over, and in ascii need not be numbers. Coordinates are in the unit and the frame of the file;
-/// the viewpoint is not applied, its translation is [`PointFile::viewpoint`].
+/// There must be the fields `x`, `y` and `z`, each one float or double. Other fields are skipped, and in
+/// ascii need not be numbers. Coordinates are in the unit and the frame of the file. The viewpoint is
+/// not applied; its translation is [`PointFile::viewpoint`].
 /// Points with a coordinate that is not finite are left out and counted, see [`PointFile`].
 ///
 /// # Errors
@@ -65,7 +65,7 @@ fn has_normals(header: &PcdMeta) -> bool {
     fields.all(|found| found)
 }
 
-/// The place of the sensor, if the header has a line for it: the parser makes one up otherwise.
+/// The place of the sensor, if the header has a line for it. Otherwise the parser invents one.
 fn viewpoint(header: &PcdMeta, text: &str) -> Option<Point3<f64>> {
     let is_viewpoint = |line: &str| line.split_ascii_whitespace().next() == Some("VIEWPOINT");
     let told = text.lines().any(is_viewpoint);
@@ -80,7 +80,7 @@ fn is_last_line(line: &str) -> bool {
     first.is_some_and(|word| word.eq_ignore_ascii_case("DATA"))
 }
 
-/// The header with the kind of data in lower case, since the parser knows only that.
+/// The header with the kind of data in lower case, as the parser needs it.
 fn plain_header(header: &str) -> String {
     let plain = |line: &str| match is_last_line(line) {
         true => line.to_ascii_lowercase() + "\n",
@@ -166,7 +166,7 @@ fn coordinate(field: &Field) -> f64 {
     }
 }
 
-/// Makes sure that the file can hold what its header announces, since the reader relies on it.
+/// Checks that the file can hold what its header announces, since the reader relies on it.
 fn check_size(source: &mut Source, header: &PcdMeta) -> Result<(), Error> {
     let announced = format!("{} points", header.num_points);
     let needed = |bytes_of: fn(&FieldDef) -> u64| {

@@ -3,6 +3,7 @@
 mod ascii;
 mod binary;
 mod header;
+mod names;
 
 use std::path::Path;
 
@@ -11,6 +12,7 @@ use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, Header, PropertyType}
 
 use self::ascii::read_ascii;
 use self::binary::read_binary;
+use self::names::{AXES, NORMAL};
 use crate::bytes::Source;
 use crate::{Error, PointFile};
 
@@ -18,7 +20,8 @@ use crate::{Error, PointFile};
 ///
 /// All three encodings are read: ascii, binary little and big endian. The element `vertex` must
 /// have the scalar properties `x`, `y` and `z`, of any number type; its other properties, whatever
-/// their names, and all other elements are passed over. Coordinates are in the unit and the frame of the file. Vertices
+/// their names, and all other elements are skipped. Coordinates are in the unit and the frame of the
+/// file. Vertices
 /// with a coordinate that is not finite are left out and counted, see [`PointFile`].
 ///
 /// # Errors
@@ -60,13 +63,13 @@ pub fn read_ply(path: impl AsRef<Path>) -> Result<PointFile, Error> {
     })
 }
 
-/// Of two declarations of one name, the parser keeps the last, and reads the payload wrongly; but
+/// Of two declarations of one name, the parser keeps the last, and misreads the payload; but
 /// then the header has more lines than it declares things.
 fn check_unambiguous(path: &Path, header: &Header, num_lines: usize) -> Result<(), Error> {
     let elements = header.elements.values();
     let declared: usize = elements.map(|element| 1 + element.properties.len()).sum();
-    let frame = 3; // ply, format, end_header
-    if num_lines != frame + header.comments.len() + header.obj_infos.len() + declared {
+    let others = 3; // ply, format, end_header
+    if num_lines != others + header.comments.len() + header.obj_infos.len() + declared {
         return Err(Error::malformed(path, "the header declares the same twice"));
     }
     Ok(())
@@ -95,20 +98,6 @@ fn has_normals(vertex: &ElementDef) -> bool {
 fn has_scalar(element: &ElementDef, name: &str) -> bool {
     let property = element.properties.get(name);
     property.is_some_and(|property| matches!(property.data_type, PropertyType::Scalar(_)))
-}
-
-const AXES: [&str; 3] = ["x", "y", "z"];
-
-/// Names of the properties of a vertex that make up its normal.
-const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-
-/// The coordinate that a property of a vertex stands for.
-fn axis(property: &str) -> Option<usize> {
-    AXES.iter().position(|name| *name == property)
-}
-
-fn announced(element: &ElementDef) -> String {
-    format!("{} times element {:?}", element.count, element.name)
 }
 
 #[cfg(test)]
@@ -148,7 +137,7 @@ mod tests {
         assert!(!read(content).unwrap().has_normals);
     }
 
-    /// A camera, then vertices with colour, list and double coordinates, then a face.
+    /// A camera, then vertices with color, list and double coordinates, then a face.
     fn rich_header(encoding: &str) -> String {
         format!(
             "ply\nformat {encoding} 1.0\ncomment made by hand\nobj_info none\nelement camera 1\n\

@@ -1,6 +1,6 @@
 //! Rows of numbers in the text payload of point files.
 //!
-//! Organised clouds are full of `nan`, which programs spell in many ways.
+//! Organized clouds are full of `nan`, which programs spell in many ways.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::Error;
 use crate::bytes::Source;
 
-/// The lines of a payload that are not blank; what is no Unicode in them is replaced, since names and
+/// The lines of a payload that are not blank. Bytes that are not Unicode are replaced, since names and
 /// remarks beside the numbers may be in any encoding.
 pub(crate) struct Rows<'a> {
     path: &'a Path,
@@ -20,7 +20,7 @@ pub(crate) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// The rows of what is left of `source`, which goes on with line `first_line` of the file.
+    /// The rows of the rest of `source`, which continues with line `first_line` of the file.
     pub(crate) fn new(source: Source<'a>, first_line: usize) -> Self {
         Self {
             path: source.path,
@@ -31,7 +31,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// The next row; if there is none, `announced` tells what the header promised.
+    /// The next row. If there is none, `announced` says what the header promised.
     pub(crate) fn next(&mut self, announced: impl Fn() -> String) -> Result<&str, Error> {
         if self.advance()? {
             return Ok(&self.content);
@@ -47,7 +47,7 @@ impl<'a> Rows<'a> {
         Ok(self.advance()?.then_some(&*self.content))
     }
 
-    /// Whether there is another row, which is the content then.
+    /// Moves to the next row, if there is one.
     fn advance(&mut self) -> Result<bool, Error> {
         /// Bytes that no row of numbers needs.
         const TOO_LONG: u64 = 1 << 20;
@@ -58,11 +58,11 @@ impl<'a> Rows<'a> {
             let length = reader.read_until(b'\n', &mut self.bytes);
             let length = length.map_err(Error::io("read", self.path))?;
             if reader.limit() == 0 {
-                let reason = format!("no text: the line takes {TOO_LONG} bytes or more");
+                let reason = format!("not text: the line takes {TOO_LONG} bytes or more");
                 return Err(self.error(reason));
             }
             if self.bytes.contains(&0) {
-                return Err(self.error("no text: the line has a zero byte, as UTF-16 has"));
+                return Err(self.error("not text: the line has a zero byte, as UTF-16 has"));
             }
             if length == 0 || !self.bytes.trim_ascii().is_empty() {
                 self.content.clear();
@@ -93,7 +93,7 @@ pub(crate) fn coordinate(name: &str, word: &str, single: bool) -> Result<f64, St
     value.ok_or_else(|| format!("{name:?} is {word:?}, not a number"))
 }
 
-/// Programs print what is no finite number as `nan`, `-nan`, `-nan(ind)`, `1.#QNAN`, `-1.#IND` or
+/// Programs print numbers that are not finite as `nan`, `-nan`, `-nan(ind)`, `1.#QNAN`, `-1.#IND` or
 /// `1.#INF`.
 fn is_nan(word: &str) -> bool {
     let start = word.trim_start_matches(['-', '+']).get(..3);

@@ -9,12 +9,12 @@ use crate::{Error, rows};
 /// The whole file as text.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     let bytes = fs::read(path).map_err(Error::io("read", path))?;
-    // The error's own copy of the bytes would fill screens where it is printed for debugging.
+    // The error's own copy of the bytes would fill screens in debug output.
     String::from_utf8(bytes)
         .map_err(|error| Error::parser(path, None, "not a text file", error.utf8_error()))
 }
 
-/// The lines that say something: neither blank nor a comment, which starts with `#`.
+/// The lines with content: neither blank nor a comment, which starts with `#`.
 pub(crate) fn lines<'a>(path: &'a Path, text: &'a str) -> impl Iterator<Item = Line<'a>> {
     (1..)
         .zip(text.lines())
@@ -89,7 +89,7 @@ impl<'a> Line<'a> {
         Ok(numbers)
     }
 
-    /// Nothing may follow: an unnoticed extra column would shift the meaning of all others.
+    /// Nothing may follow: an unnoticed extra column would change the meaning of all others.
     pub(crate) fn end(&mut self) -> Result<(), Error> {
         match self.words.next() {
             None => Ok(()),
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_words_are_named_with_their_line() {
+    fn unexpected_words_are_named_with_their_line() {
         let error = only_line("\nabc").index("the scan").unwrap_err();
         let said = "file:2: the scan is \"abc\", not a whole number from 0 on";
         assert_eq!(error.to_string(), said);

@@ -8,16 +8,15 @@ use crate::{Error, PointFile};
 
 /// Reads points from text: XYZ, ASC, PTS, CSV and the like.
 ///
-/// Each row is a point, its first three columns are `x`, `y`, `z`. Further columns are passed over
-/// and need not be numbers, nor Unicode. Columns are separated by semicolons, by commas or by white
-/// space: by the first of these under which the first point has three numbers. Numbers may stand in
-/// quotes, and mark their exponent by `E` or `D`. Blank lines and lines that start with `#` or `//`
-/// are passed over.
+/// Each row is a point. Its first three columns are `x`, `y`, `z`. Further columns are skipped and
+/// need not be numbers or Unicode. The separator is the first of semicolon, comma and white space
+/// with which the first point has three numbers. Numbers may stand in quotes, and mark their
+/// exponent by `E` or `D`. Blank lines and lines that start with `#` or `//` are skipped.
 ///
-/// * A first row without any number names the columns; those called `x`, `y` and `z`, in upper or
-///   lower case, are taken then if all three exist.
-/// * So does the last comment before the first point, if it has as many words as the point has
-///   columns, and `x`, `y` and `z` are among them: `# t x y z`, `//X,Y,Z`.
+/// * A first row without any number names the columns. If there are columns called `x`, `y` and `z`, in
+///   upper or lower case, they are taken.
+/// * The last comment before the first point names the columns, too, if it has as many words as the point
+///   has columns, with `x`, `y` and `z` among them: `# t x y z`, `//X,Y,Z`.
 /// * A first row of one whole number, as PTS has it, is the count of the rows that follow. Several
 ///   clouds in one file, each with its count, are not read.
 ///
@@ -26,7 +25,7 @@ use crate::{Error, PointFile};
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, if a row has fewer
-/// columns or a coordinate is no number, or has a zero byte as UTF-16 has, or if there are fewer or
+/// columns or a coordinate is not a number, or has a zero byte as UTF-16 has, or if there are fewer or
 /// more rows than counted, or another count.
 /// [`Error::Malformed`] also if the file is empty, or has neither a point nor a count nor columns
 /// called `x`, `y`, `z`. Text that ends between two rows without a count goes unnoticed.
@@ -140,7 +139,7 @@ struct Head {
 }
 
 impl Head {
-    /// Takes a row that is a count or names; any other is the first point, which tells its columns.
+    /// Takes a row that is a count or names. Any other is the first point, which determines the columns.
     fn columns_from(&mut self, row: &str) -> Option<Columns> {
         if self.count.is_none()
             && !self.has_names
@@ -183,7 +182,7 @@ impl Head {
         }
     }
 
-    /// The reason why a row is no point.
+    /// The reason why a row is not a point.
     fn explain(&self, row: &str, reason: String) -> String {
         match (self.count, row.parse::<u64>()) {
             (Some(_), Ok(count)) => {
@@ -242,7 +241,7 @@ mod tests {
             "Label;Z;X;\"y\"\nnan;3e-3;1;-2.5\n;672345.123;4;5\n",
             "2\n1 -2.5 3e-3 12 255 255 255\n4 5 672345.123 12 0 0 0\n",
             "1 -2.5 3e-3 tree,red\n4 5 672345.123 car\n",
-            "x y z kind,colour\n1 -2.5 3e-3 tree,red\n4 5 672345.123 car\n",
+            "x y z kind,color\n1 -2.5 3e-3 tree,red\n4 5 672345.123 car\n",
             "\"1\",\"-2.5\",\"3e-3\"\n\"4\", \"5\", \"672345.123\"\n",
             "1.0D+00 -0.25D+01 3d-3\n4.0D+00 5.0D+00 0.672345123D+06\n",
         ] {
@@ -336,7 +335,7 @@ mod tests {
             .collect();
         for content in [utf_16, vec![b'7'; 1 << 20], vec![0xff; 3 << 20]] {
             let said = read(content).unwrap_err().to_string();
-            assert!(said.contains("scan.xyz:1: no text"), "{said}");
+            assert!(said.contains("scan.xyz:1: not text"), "{said}");
         }
     }
 }

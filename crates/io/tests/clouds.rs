@@ -1,5 +1,5 @@
-//! Laws of the formats of point clouds: the same cloud comes back from each, and no file that is cut
-//! off, false about its size or changed makes a reader panic or reserve what it does not hold.
+//! Laws of the formats of point clouds. The same cloud comes back from each. No file that is cut off,
+//! changed or false about its size makes a reader panic or reserve more memory than the file can fill.
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use gmpcr_io::*;
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Point3};
 
-/// Coordinates as in a projection of the Earth, in whole millimetres.
+/// Coordinates as in a projection of the Earth, in whole millimeters.
 fn utm_cloud(num_points: usize) -> Vec<Point3<f64>> {
-    let millimetres = |n: usize| n as f64 / 1000.0;
+    let millimeters = |n: usize| n as f64 / 1000.0;
     let point = |k: usize| {
         Point3::new(
-            millimetres(672_345_123 + 7919 * k),
-            millimetres(5_194_876_547 - 6007 * k),
-            millimetres(561_009 + 31 * (k * k % 977)),
+            millimeters(672_345_123 + 7919 * k),
+            millimeters(5_194_876_547 - 6007 * k),
+            millimeters(561_009 + 31 * (k * k % 977)),
         )
     };
     (0..num_points).map(point).collect()
@@ -54,7 +54,12 @@ fn array(shape: &str, entries: &[u8]) -> Vec<u8> {
 /// The cloud in every format that this build reads, and how far its coordinates may be off.
 fn samples(cloud: &[Point3<f64>]) -> Vec<(&'static str, Vec<u8>, f64)> {
     let merged = bytes_of(|path| {
-        write_merged_ply(path, Coordinates::Double, [(cloud.to_vec(), [1, 2, 3])]).unwrap();
+        let cloud = ColoredCloud {
+            points: cloud,
+            world_from_points: Isometry3::identity(),
+            color: [1, 2, 3],
+        };
+        write_merged_ply(path, Coordinates::Double, [cloud]).unwrap();
     });
     let pcd_header = format!(
         "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {0}\nHEIGHT 1\nPOINTS {0}\nDATA ascii\n",
@@ -576,7 +581,7 @@ mod scanner {
         );
     }
 
-    /// The file with the checksum of each page set right: four bytes at the end of each kilobyte.
+    /// The file with the checksum of each page corrected: four bytes at the end of each kilobyte.
     fn with_checksums(mut content: Vec<u8>) -> Vec<u8> {
         for page in content.chunks_exact_mut(1024) {
             let mut checksum = !0u32;
@@ -620,7 +625,7 @@ mod scanner {
     }
 
     #[test]
-    fn changed_bytes_with_right_checksums_make_no_reader_panic_or_linger() {
+    fn changed_bytes_with_correct_checksums_make_no_reader_panic_or_linger() {
         let content = e57(&[(Some(some_pose()), utm_cloud(20))]);
         for place in (0..content.len()).step_by(5) {
             for byte in [0, b'9', 0xff] {

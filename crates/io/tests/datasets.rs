@@ -9,8 +9,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gmpcr_io::{
-    Error, Layout, LogEntry, PairOverlap, Scene, read_descriptors, read_keypoints, read_points,
-    read_scene, scene_folders, write_gt_log, write_poses_3x4,
+    Error, Layout, LogEntry, Scene, read_npy_matrix, read_points, read_scene, scene_folders,
+    write_gt_log, write_poses_3x4,
 };
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
@@ -42,7 +42,7 @@ impl Folder {
         self.root().join("kitchen")
     }
 
-    /// Path of a file of the scene, whose folder is made.
+    /// Path of a file of the scene, whose folder is created.
     fn file(&self, name: &str) -> PathBuf {
         let path = self.scene().join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -61,38 +61,38 @@ impl Folder {
         (0..num_scans).for_each(|i| self.write(&format!("{place}cloud_bin_{i}.ply"), ""));
     }
 
-    fn log(&self, name: &str, pairs: &[(usize, usize)], num_fragments: usize) {
+    fn log(&self, name: &str, pairs: &[(usize, usize)], num_scans: usize) {
         let entries: Vec<LogEntry> = pairs
             .iter()
             .map(|&(i, j)| LogEntry {
                 i,
                 j,
-                num_fragments,
-                i_from_j: motion(j as f64),
+                num_scans,
+                i_from_j: pose(j as f64),
             })
             .collect();
         write_gt_log(self.file(name), &entries).unwrap();
     }
 
-    fn info(&self, name: &str, pairs: &[(usize, usize)], num_fragments: usize) {
+    fn info(&self, name: &str, pairs: &[(usize, usize)], num_scans: usize) {
         let rows = "9 0 0 0 0 0\n".repeat(6);
         let entries = pairs
             .iter()
-            .map(|(i, j)| format!("{i} {j} {num_fragments}\n{rows}"));
+            .map(|(i, j)| format!("{i} {j} {num_scans}\n{rows}"));
         self.write(name, &entries.collect::<String>());
     }
 
     fn poses(&self, name: &str, scans: impl IntoIterator<Item = usize>) {
         let poses: Vec<_> = scans
             .into_iter()
-            .map(|scan| (scan, motion(scan as f64)))
+            .map(|scan| (scan, pose(scan as f64)))
             .collect();
         write_poses_3x4(self.file(name), &poses).unwrap();
     }
 
     /// A matrix that is no finite number throughout, or that of scan `i`.
     fn pose(&self, name: &str, i: Option<usize>) {
-        let matrix = i.map(|i| motion(i as f64).to_homogeneous());
+        let matrix = i.map(|i| pose(i as f64).to_homogeneous());
         let entry = |row, column| matrix.map_or(f64::NEG_INFINITY, |matrix| matrix[(row, column)]);
         let row = |row| {
             format!(
@@ -129,7 +129,7 @@ impl Folder {
     }
 }
 
-fn motion(x: f64) -> Isometry3<f64> {
+fn pose(x: f64) -> Isometry3<f64> {
     Isometry3::new(Vector3::new(x, 0.5, 0.0), Vector3::new(0.0, 0.3, 0.1 * x))
 }
 
@@ -143,7 +143,7 @@ fn complete_3dmatch() -> Folder {
 }
 
 #[test]
-fn a_scene_of_3dmatch_has_all_its_truth() {
+fn a_scene_of_3dmatch_has_all_its_ground_truth() {
     let folder = complete_3dmatch();
     folder.log("gt_3dlomatch.log", &[(1, 2)], 3);
     folder.info("gt_3dlomatch.info", &[(1, 2)], 3);
@@ -160,25 +160,26 @@ fn a_scene_of_3dmatch_has_all_its_truth() {
     assert_eq!(*cloud, folder.file("cloud_bin_2.ply"));
     assert!(scene.scans[2].descriptors.is_none());
 
-    let truth = &scene.truth;
-    let names: Vec<&str> = truth.match_lists.iter().map(|list| &*list.name).collect();
+    let ground_truth = &scene.ground_truth;
+    let names: Vec<&str> = ground_truth
+        .pair_lists
+        .iter()
+        .map(|list| &*list.name)
+        .collect();
     assert_eq!(names, ["3dlomatch", "gt"]);
-    let gt = truth.match_list("gt").unwrap();
+    let gt = ground_truth.pair_list("gt").unwrap();
     assert_eq!(gt.file, folder.file("gt.log"));
     assert!(
-        (gt.pairs[1].i_from_j.inverse() * motion(2.0))
+        (gt.pairs[1].i_from_j.inverse() * pose(2.0))
             .rotation
             .angle()
             < 1e-12
     );
     assert_eq!(gt.information.as_ref().unwrap()[1][(0, 0)], 9.0);
-    let overlap = PairOverlap {
-        i: 0,
-        j: 1,
-        overlap: 0.5,
-    };
-    assert_eq!(truth.overlaps.as_ref().unwrap()[..], [overlap]);
-    let poses = truth.world_from_scan.as_ref().unwrap();
+    let overlaps = ground_truth.overlaps.as_ref().unwrap();
+    let overlaps = overlaps.iter().map(|pair| (pair.i, pair.j, pair.overlap));
+    assert_eq!(overlaps.collect::<Vec<_>>(), [(0, 1, 0.5)]);
+    let poses = ground_truth.world_from_scan.as_ref().unwrap();
     assert!((poses[2].unwrap().translation.x - 2.0).abs() < 1e-12);
 }
 
@@ -191,20 +192,20 @@ fn the_official_lists_and_the_table_of_all_pairs_are_preferred() {
     }
     folder.write("gt_overlap.log", "");
     folder.write("official_gt_overlap.log", "0,1,0.25\n");
-    let truth = folder.read(Layout::ThreeDMatch).truth;
-    assert_eq!(truth.match_lists.len(), 1);
-    assert_eq!(truth.match_list("3dmatch").unwrap().pairs.len(), 1);
-    assert_eq!(truth.overlaps.unwrap()[0].overlap, 0.25);
+    let ground_truth = folder.read(Layout::ThreeDMatch).ground_truth;
+    assert_eq!(ground_truth.pair_lists.len(), 1);
+    assert_eq!(ground_truth.pair_list("3dmatch").unwrap().pairs.len(), 1);
+    assert_eq!(ground_truth.overlaps.unwrap()[0].overlap, 0.25);
 }
 
 #[test]
-fn the_truth_may_lie_in_the_neighbouring_folder_of_the_evaluation() {
+fn the_ground_truth_may_lie_in_the_neighboring_folder_of_the_evaluation() {
     let folder = Folder::with_clouds(3);
     folder.log("../kitchen-evaluation/gt.log", &PAIRS, 3);
     folder.info("../kitchen-evaluation/gt.info", &PAIRS, 3);
     assert_eq!(folder.detect(), Some(Layout::ThreeDMatch));
-    let truth = folder.read(Layout::ThreeDMatch).truth;
-    assert!(truth.match_list("gt").unwrap().information.is_some());
+    let ground_truth = folder.read(Layout::ThreeDMatch).ground_truth;
+    assert!(ground_truth.pair_list("gt").unwrap().information.is_some());
     assert_eq!(scene_folders(folder.root()).unwrap(), [folder.scene()]);
 }
 
@@ -356,7 +357,7 @@ fn keypoints_and_descriptors_of_two_folders_are_paired_by_number() {
 }
 
 #[test]
-fn a_scene_of_yoho_has_the_truth_beside_its_clouds() {
+fn a_scene_of_yoho_has_the_ground_truth_beside_its_clouds() {
     let folder = Folder::with(&YOHO_FILES);
     folder.clouds("PointCloud/", 2);
     folder.log("PointCloud/gt.log", &PAIRS[..1], 2);
@@ -364,8 +365,11 @@ fn a_scene_of_yoho_has_the_truth_beside_its_clouds() {
     let scene = folder.read(Layout::Yoho);
     let cloud = scene.scans[1].cloud.as_ref().unwrap();
     assert_eq!(*cloud, folder.file("PointCloud/cloud_bin_1.ply"));
-    assert_eq!(scene.truth.match_list("gt").unwrap().information, None);
-    assert!(scene.truth.match_list("3dlomatch").is_some());
+    assert_eq!(
+        scene.ground_truth.pair_list("gt").unwrap().information,
+        None
+    );
+    assert!(scene.ground_truth.pair_list("3dlomatch").is_some());
 
     folder.remove("yoho_desc/0.npy");
     folder.write("yoho_desc/7.npy", "");
@@ -400,7 +404,7 @@ fn poses_of_scans_come_from_either_place_and_may_be_unknown() {
         assert_eq!(folder.detect(), Some(Layout::ScanNet), "{pose}");
         let scene = folder.read(Layout::ScanNet);
         assert_eq!(scene.scans.len(), 3);
-        let poses = scene.truth.world_from_scan.unwrap();
+        let poses = scene.ground_truth.world_from_scan.unwrap();
         assert_eq!(poses.len(), 3);
         assert_eq!(poses[1], None);
         assert!((poses[2].unwrap().translation.x - 2.0).abs() < 1e-12);
@@ -431,7 +435,11 @@ fn one_table_of_poses_serves_as_well_and_may_have_unknown_ones() {
         &format!("0 1 0 0 7 0 1 0 0 0 0 1 0\n1 {lost}\n"),
     );
     assert_eq!(folder.detect(), Some(Layout::ScanNet));
-    let poses = folder.read(Layout::ScanNet).truth.world_from_scan.unwrap();
+    let poses = folder
+        .read(Layout::ScanNet)
+        .ground_truth
+        .world_from_scan
+        .unwrap();
     assert_eq!(poses, [Some(Isometry3::translation(7.0, 0.0, 0.0)), None]);
 }
 
@@ -449,8 +457,8 @@ fn a_scene_of_eth_needs_pairs_but_no_information() {
     folder.complains(Layout::Eth, &["no pairs: gt.log is missing"]);
     folder.log("PointCloud/gt.log", &PAIRS, 3);
     assert_eq!(folder.detect(), Some(Layout::Eth));
-    let truth = folder.read(Layout::Eth).truth;
-    let gt = truth.match_list("gt").unwrap();
+    let ground_truth = folder.read(Layout::Eth).ground_truth;
+    let gt = ground_truth.pair_list("gt").unwrap();
     assert_eq!((gt.pairs.len(), &gt.information), (2, &None));
     let missing = Path::new("PointCloud")
         .join("gt.info")
@@ -513,7 +521,7 @@ proptest! {
         for layout in [Layout::ThreeDMatch, Layout::Yoho, Layout::ScanNet, Layout::Eth] {
             if let Ok(scene) = read_scene(folder.scene(), layout) {
                 prop_assert!(!scene.scans.is_empty());
-                let poses = scene.truth.world_from_scan;
+                let poses = scene.ground_truth.world_from_scan;
                 prop_assert!(poses.is_none_or(|poses| poses.len() == scene.scans.len()));
             }
         }
@@ -553,8 +561,8 @@ fn real_scenes_are_complete() {
         assert!(scenes.contains(&folder), "{name} is not in {scenes:?}");
         assert_eq!(Layout::of(&folder).unwrap(), Some(Layout::ThreeDMatch));
         let scene = read_scene(&folder, Layout::ThreeDMatch).unwrap();
-        let pairs = |list| scene.truth.match_list(list).unwrap().pairs.len();
-        let overlaps = scene.truth.overlaps.as_ref().unwrap().len();
+        let pairs = |list| scene.ground_truth.pair_list(list).unwrap().pairs.len();
+        let overlaps = scene.ground_truth.overlaps.as_ref().unwrap().len();
         let found = [
             scene.scans.len(),
             pairs("3dmatch"),
@@ -569,10 +577,10 @@ fn real_scenes_are_complete() {
     }
 }
 
-/// The pairs were made from the poses, up to the few digits of the files.
+/// The pairs were computed from the poses, up to the few digits of the files.
 fn assert_poses_agree_with_pairs(scene: &Scene) {
-    let poses = scene.truth.world_from_scan.as_ref().unwrap();
-    for list in &scene.truth.match_lists {
+    let poses = scene.ground_truth.world_from_scan.as_ref().unwrap();
+    for list in &scene.ground_truth.pair_lists {
         assert_eq!(list.information.as_ref().unwrap().len(), list.pairs.len());
         for pair in &list.pairs {
             let i_from_j = poses[pair.i].unwrap().inv_mul(&poses[pair.j].unwrap());
@@ -606,9 +614,12 @@ fn real_descriptors_are_attached_to_their_scans() {
             assert_eq!(set.descriptors, learned.join(format!("{i}.desc.npy")));
         }
         let set = scene.scans[1].descriptors.as_ref().unwrap();
-        let keypoints = read_keypoints(&set.keypoints).unwrap();
-        let descriptors = read_descriptors(&set.descriptors).unwrap();
-        assert_eq!(descriptors.values.len(), keypoints.len() * 32);
+        let keypoints = read_npy_matrix(&set.keypoints).unwrap();
+        let descriptors = read_npy_matrix(&set.descriptors).unwrap();
+        assert_eq!((keypoints.columns, descriptors.columns), (3, 32));
+        assert_eq!(keypoints.rows, descriptors.rows);
+        #[cfg(feature = "scans")]
+        assert_eq!(set.read().unwrap().len(), keypoints.rows);
 
         let mut other = read_scene(data.join("redkitchen"), Layout::ThreeDMatch).unwrap();
         assert_eq!(

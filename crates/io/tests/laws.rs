@@ -11,15 +11,14 @@ use proptest::prelude::*;
 /// Every reader, with a result that tells success only.
 type Reader = fn(&Path) -> Result<(), Error>;
 
-const READERS: [(&str, Reader); 12] = [
+const READERS: [(&str, Reader); 11] = [
     ("scan.ply", |path| read_ply(path).map(drop)),
     ("scan.pcd", |path| read_pcd(path).map(drop)),
     ("scan.xyz", |path| read_xyz(path).map(drop)),
-    ("0.kpts.npy", |path| read_keypoints(path).map(drop)),
-    ("0.desc.npy", |path| read_descriptors(path).map(drop)),
     ("matrix.npy", |path| read_npy_matrix(path).map(drop)),
     ("tum.txt", |path| read_poses_tum(path).map(drop)),
-    ("3x4.txt", |path| read_poses_3x4(path).map(drop)),
+    ("3x4.txt", |path| read_poses(path).map(drop)),
+    ("world.txt", |path| read_world_poses(path, 2).map(drop)),
     ("graph.g2o", |path| read_g2o(path).map(drop)),
     ("graph.json", |path| read_open3d_pose_graph(path).map(drop)),
     ("gt.log", |path| read_gt_log(path).map(drop)),
@@ -32,7 +31,7 @@ fn folder() -> (tempfile::TempDir, impl Fn(&str) -> PathBuf) {
     (folder, move |name| root.join(name))
 }
 
-fn motion() -> impl Strategy<Value = Isometry3<f64>> {
+fn pose() -> impl Strategy<Value = Isometry3<f64>> {
     let translation = prop::array::uniform3(-1e6..1e6f64);
     let quaternion = prop::array::uniform4(-1.0..1.0f64);
     (translation, quaternion)
@@ -62,13 +61,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn poses_come_back_from_both_formats(poses in prop::collection::vec((0usize..1000, motion()), 0..5)) {
+    fn poses_come_back_from_both_formats(poses in prop::collection::vec((0usize..1000, pose()), 0..5)) {
         let (_guard, path) = folder();
         write_poses_3x4(path("3x4"), &poses).unwrap();
         let timed: Vec<_> = poses.iter().map(|&(k, pose)| (0.1 * k as f64, pose)).collect();
         write_poses_tum(path("tum"), &timed).unwrap();
 
-        let back = read_poses_3x4(path("3x4")).unwrap();
+        let back = read_poses(path("3x4")).unwrap();
         let timed_back = read_poses_tum(path("tum")).unwrap();
         prop_assert_eq!(timed_back, timed);
         prop_assert_eq!(back.len(), poses.len());
@@ -80,8 +79,8 @@ proptest! {
 
     #[test]
     fn a_pose_graph_comes_back(
-        poses in prop::collection::vec(motion(), 1..4),
-        edges in prop::collection::vec((0usize..9, 0usize..9, motion(), information()), 0..4),
+        poses in prop::collection::vec(pose(), 1..4),
+        edges in prop::collection::vec((0usize..9, 0usize..9, pose(), information()), 0..4),
     ) {
         let vertex = |(k, &world_from_vertex)| G2oVertex { id: 3 * k, world_from_vertex };
         let edge = |&(i, j, i_from_j, information)| G2oEdge { i, j, i_from_j, information };
@@ -99,8 +98,8 @@ proptest! {
 
     #[test]
     fn a_pose_graph_of_open3d_comes_back(
-        nodes in prop::collection::vec(motion(), 3),
-        edges in prop::collection::vec((0usize..3, 0usize..3, motion(), information(), any::<bool>(), 0.0..1.0f64), 0..4),
+        nodes in prop::collection::vec(pose(), 3),
+        edges in prop::collection::vec((0usize..3, 0usize..3, pose(), information(), any::<bool>(), 0.0..1.0f64), 0..4),
     ) {
         let edge = |&(source, target, target_from_source, information, uncertain, confidence)| {
             Open3dEdge { source, target, target_from_source, information, uncertain, confidence }
@@ -122,8 +121,8 @@ proptest! {
     }
 
     #[test]
-    fn benchmark_pairs_come_back(pairs in prop::collection::vec((0usize..60, 0usize..60, motion()), 0..5)) {
-        let entry = |&(i, j, i_from_j)| LogEntry { i, j, num_fragments: 60, i_from_j };
+    fn benchmark_pairs_come_back(pairs in prop::collection::vec((0usize..60, 0usize..60, pose()), 0..5)) {
+        let entry = |&(i, j, i_from_j)| LogEntry { i, j, num_scans: 60, i_from_j };
         let entries: Vec<_> = pairs.iter().map(entry).collect();
         let (_guard, path) = folder();
         write_gt_log(path("log"), &entries).unwrap();
@@ -131,7 +130,7 @@ proptest! {
 
         prop_assert_eq!(back.len(), entries.len());
         for (a, b) in back.iter().zip(&entries) {
-            prop_assert_eq!((a.i, a.j, a.num_fragments), (b.i, b.j, 60));
+            prop_assert_eq!((a.i, a.j, a.num_scans), (b.i, b.j, 60));
             assert_same(&a.i_from_j, &b.i_from_j);
         }
     }
@@ -142,7 +141,11 @@ proptest! {
     ) {
         let point = |&[x, y, z]: &[f32; 3]| [x, y, z].map(f64::from).into();
         let (_guard, path) = folder();
-        let colored = clouds.iter().map(|cloud| (cloud.iter().map(point), [1, 2, 3]));
+        let colored = clouds.iter().map(|cloud| ColoredCloud {
+            points: cloud.iter().map(point).collect::<Vec<_>>(),
+            world_from_points: Isometry3::identity(),
+            color: [1, 2, 3],
+        });
         write_merged_ply(path("double.ply"), Coordinates::Double, colored.clone()).unwrap();
         write_merged_ply(path("merged.ply"), Coordinates::Single, colored).unwrap();
         let back = read_points(path("merged.ply")).unwrap();
@@ -367,7 +370,7 @@ fn missing_files_and_folders_in_their_place_are_refused_by_name() {
 #[test]
 fn an_empty_file_is_no_scan_and_no_matrix() {
     let (_guard, path) = folder();
-    for (name, read) in &READERS[..6] {
+    for (name, read) in &READERS[..4] {
         fs::write(path(name), "").unwrap();
         let said = read(&path(name)).unwrap_err().to_string();
         assert!(
@@ -380,10 +383,10 @@ fn an_empty_file_is_no_scan_and_no_matrix() {
 #[test]
 fn an_empty_file_is_no_pose_graph_but_an_empty_list() {
     let (_guard, path) = folder();
-    for (name, read) in &READERS[6..] {
+    for (name, read) in &READERS[4..] {
         fs::write(path(name), "").unwrap();
-        let is_graph = name.starts_with("graph");
-        assert_eq!(read(&path(name)).is_err(), is_graph, "{name}");
+        let is_refused = name.starts_with("graph") || name.starts_with("world");
+        assert_eq!(read(&path(name)).is_err(), is_refused, "{name}");
     }
 }
 
@@ -397,11 +400,7 @@ fn writers_to_a_missing_folder_fail_and_create_nothing() {
         write_g2o(&target, &G2o::default()),
         write_gt_log(&target, &[]),
         write_open3d_pose_graph(&target, &Open3dPoseGraph::default()),
-        write_merged_ply(
-            &target,
-            Coordinates::Double,
-            Vec::<(Vec<_>, [u8; 3])>::new(),
-        ),
+        write_merged_ply::<Vec<_>>(&target, Coordinates::Double, []),
     ];
     for result in results {
         let error = result.unwrap_err();

@@ -38,7 +38,7 @@ fn numbers(script: &str, file: &Path) -> Option<Vec<f64>> {
     )
 }
 
-fn some_motion(k: f64) -> Isometry3<f64> {
+fn some_pose(k: f64) -> Isometry3<f64> {
     Isometry3::new(
         Vector3::new(1.0 / 3.0, -2.0, k),
         Vector3::new(0.3 * k, -0.5, 0.9),
@@ -46,13 +46,13 @@ fn some_motion(k: f64) -> Isometry3<f64> {
 }
 
 /// The rows of a matrix as NumPy prints them.
-fn rows(motion: &Isometry3<f64>) -> Vec<f64> {
-    motion.to_homogeneous().transpose().as_slice().to_vec()
+fn rows(pose: &Isometry3<f64>) -> Vec<f64> {
+    pose.to_homogeneous().transpose().as_slice().to_vec()
 }
 
 #[test]
 fn open3d_reads_the_same_pose_graph() {
-    let nodes = vec![some_motion(0.1), some_motion(1.0), some_motion(-0.7)];
+    let nodes = vec![some_pose(0.1), some_pose(1.0), some_pose(-0.7)];
     let edge = |source: usize, target: usize, uncertain| Open3dEdge {
         source,
         target,
@@ -144,7 +144,11 @@ for point, color in zip(np.asarray(cloud.points), np.asarray(cloud.colors)):
         (Coordinates::Single, 0.5),
         (Coordinates::Double, 5_194_876.547),
     ] {
-        let clouds = [(cloud(x), [1, 2, 3]), (cloud(-x), [70, 80, 90])];
+        let clouds = [(x, [1, 2, 3]), (-x, [70, 80, 90])].map(|(x, color)| ColoredCloud {
+            points: cloud(x),
+            world_from_points: Isometry3::identity(),
+            color,
+        });
         write_merged_ply(&path, coordinates, clouds).unwrap();
         let Some(found) = numbers(script, &path) else {
             return;

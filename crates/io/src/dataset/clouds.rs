@@ -21,7 +21,7 @@ const CLOUD_BIN: Naming = Naming {
 };
 
 /// The numbered clouds of a scene: those of a subfolder before those of the folder, and the
-/// benchmarks' names before all others, since programs leave merged or thinned clouds behind.
+/// benchmarks' names before all others, since programs leave merged or downsampled clouds behind.
 pub(super) fn find(folder: &Path) -> Result<Option<Numbered>, Error> {
     let subfolders = SUBFOLDERS.map(|name| folder.join(name));
     let places = subfolders.iter().filter(|place| place.is_dir());

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::numbered::{Naming, Numbered};
 use super::problems::Problems;
-use crate::folder::{DESCRIPTORS, KEYPOINTS, folder_names};
+use crate::descriptors::{DESCRIPTORS, KEYPOINTS};
+use crate::folder::folder_names;
 use crate::{DescriptorFiles, Error};
 
 /// What a folder without descriptors lacks.

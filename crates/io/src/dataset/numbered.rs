@@ -14,7 +14,7 @@ pub(super) struct Naming<'a> {
     pub(super) what: &'static str,
     /// What stands before the number, where this is prescribed.
     pub(super) start: Option<&'a str>,
-    /// The endings, of which the first that fits counts; upper and lower case are alike.
+    /// The endings, of which the first that fits counts; case does not matter.
     pub(super) endings: &'a [&'a str],
 }
 
@@ -33,7 +33,7 @@ impl Naming<'_> {
     }
 }
 
-/// A name without and with only the digits at its end.
+/// The part of a name before the digits at its end, and these digits.
 fn split_number(stem: &str) -> (&str, &str) {
     stem.split_at(stem.trim_end_matches(|c: char| c.is_ascii_digit()).len())
 }
@@ -54,7 +54,7 @@ pub(super) struct Numbered {
     template: Template,
 }
 
-/// Tells what the file of another number would be called.
+/// How the file of another number would be called.
 #[derive(Default)]
 struct Template {
     start: String,
@@ -63,7 +63,7 @@ struct Template {
 }
 
 impl Numbered {
-    /// An absent folder is an [`Error::Io`], one without such files an empty list.
+    /// An absent folder is an [`Error::Io`]. A folder without such files is an empty list.
     pub(super) fn list(folder: &Path, naming: Naming) -> Result<Self, Error> {
         let mut files = Self {
             what: naming.what,
@@ -139,7 +139,7 @@ impl Numbered {
         }
     }
 
-    /// Files that are to be numbered 0, 1, 2, ... and define by this the scans of the scene.
+    /// Checks files whose numbers define the scans of the scene: they must be 0, 1, 2, ...
     pub(super) fn check_sequence(&self, problems: &mut Problems) {
         let what = self.what;
         problems.add_list(
@@ -162,7 +162,7 @@ impl Numbered {
         self.names.keys().next_back().copied().unwrap_or(0)
     }
 
-    /// Files of which each of the given scans is to have one, and no other scan.
+    /// Checks that each of the given scans has one file, and that no other scan has any.
     pub(super) fn check_scans(&self, scans: &BTreeSet<usize>, problems: &mut Problems) {
         let what = self.what;
         self.check_single(problems);
@@ -181,8 +181,8 @@ impl Numbered {
         );
     }
 
-    /// Scans that a file of the truth names are to be there. Those within the sequence are reported
-    /// with it.
+    /// Checks that the scans exist that a file of the ground truth names. Gaps in the sequence are reported
+    /// elsewhere.
     pub(super) fn check_named(
         &self,
         file: &Path,

@@ -7,20 +7,22 @@ use crate::text::{Line, lines, read_text};
 
 /// How much two scans overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct PairOverlap {
     /// The first scan of the pair.
     pub i: usize,
     /// The second scan of the pair.
     pub j: usize,
-    /// Share of the points of one scan that have a counterpart in the other, from 0 to 1; a mean
-    /// over both directions where the file tells so.
+    /// Fraction of the points of one scan that have a counterpart in the other, from 0 to 1. A mean
+    /// over both directions if the file has one.
     pub overlap: f64,
 }
 
 /// Reads the overlaps of pairs: rows `i,j,overlap`, as of the benchmark's `gt_overlap.log`, or
 /// `i,j,mean,min`, of which the mean is taken.
 ///
-/// A first line `i,j,...` is a heading. Blank lines and lines that start with `#` are passed over.
+/// A first line `i,j,...` is a heading. Blank lines and lines that start with `#` are skipped.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`], with the line, for a row that has
@@ -28,14 +30,14 @@ pub struct PairOverlap {
 ///
 /// # Example
 /// ```
-/// use gmpcr_io::{PairOverlap, read_overlaps};
+/// use gmpcr_io::read_overlaps;
 ///
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("overlap.csv");
 /// std::fs::write(&path, "i,j,mean,min\n0,1,0.75,0.5\n0,2,0.25,0.0\n")?;
 /// let overlaps = read_overlaps(&path)?;
-/// assert_eq!(overlaps[0], PairOverlap { i: 0, j: 1, overlap: 0.75 });
 /// assert_eq!(overlaps.len(), 2);
+/// assert_eq!((overlaps[0].i, overlaps[0].j, overlaps[0].overlap), (0, 1, 0.75));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn read_overlaps(path: impl AsRef<Path>) -> Result<Vec<PairOverlap>, Error> {
@@ -60,19 +62,19 @@ fn overlap_row(mut line: Line, width: usize) -> Result<PairOverlap, Error> {
     }
     let i = line.index("the first scan of the pair")?;
     let j = line.index("the second scan of the pair")?;
-    let overlap = share(&mut line, "the overlap")?;
+    let overlap = fraction(&mut line, "the overlap")?;
     if words == 4 {
-        share(&mut line, "the lesser overlap")?;
+        fraction(&mut line, "the lesser overlap")?;
     }
     Ok(PairOverlap { i, j, overlap })
 }
 
-fn share(line: &mut Line, what: &str) -> Result<f64, Error> {
-    let share = line.number(what)?;
-    if !(0.0..=1.0).contains(&share) {
-        return Err(line.error(format!("{what} is {share}, not within 0 and 1")));
+fn fraction(line: &mut Line, what: &str) -> Result<f64, Error> {
+    let fraction = line.number(what)?;
+    if !(0.0..=1.0).contains(&fraction) {
+        return Err(line.error(format!("{what} is {fraction}, not within 0 and 1")));
     }
-    Ok(share)
+    Ok(fraction)
 }
 
 #[cfg(test)]

@@ -15,10 +15,12 @@ const LISTS: [(&str, &[&str]); 3] = [
     ("gt", &["gt"]),
 ];
 
-/// Pairs of scans with their true relative poses.
+/// Pairs of scans whose relative poses are known from elsewhere.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct PairList {
-    /// `3dmatch`, `3dlomatch` or `gt`.
+    /// `3dmatch`, `3dlomatch` or `gt` in a scene, otherwise the name of the file.
     pub name: String,
     /// The `.log` file of the list.
     pub file: PathBuf,
@@ -27,6 +29,54 @@ pub struct PairList {
     /// The information matrices of the pairs, in the same order, as [`InfoEntry::information`] has
     /// them; `None` if there is no `.info` file.
     pub information: Option<Vec<Matrix6<f64>>>,
+}
+
+impl PairList {
+    /// Reads a list from its `.log` file, with the `.info` file of the same name where there is one. The
+    /// name of the list is that of the file.
+    ///
+    /// # Errors
+    /// Those of [`read_gt_log`] and [`read_gt_info`], and [`Error::Malformed`] if the two files list
+    /// different pairs.
+    ///
+    /// # Example
+    /// ```
+    /// use gmpcr_io::{LogEntry, PairList, write_gt_log};
+    /// use nalgebra::Isometry3;
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("kitchen.log");
+    /// let pair = LogEntry { i: 0, j: 2, num_scans: 3, i_from_j: Isometry3::identity() };
+    /// write_gt_log(&path, &[pair])?;
+    /// let list = PairList::read(&path)?;
+    /// assert_eq!((&*list.name, list.pairs.len(), &list.information), ("kitchen", 1, &None));
+    ///
+    /// std::fs::write(folder.path().join("kitchen.info"), "")?;
+    /// let error = PairList::read(&path).unwrap_err().to_string();
+    /// assert!(error.contains("kitchen.info: it and kitchen.log list different pairs: 1 and 0"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn read(log: impl AsRef<Path>) -> Result<Self, Error> {
+        let log = log.as_ref();
+        let pairs = read_gt_log(log)?;
+        let info = log.with_extension("info");
+        let information = info.is_file().then(|| read_gt_info(&info)).transpose()?;
+        let difference = information
+            .as_ref()
+            .and_then(|info| difference(&pairs, info));
+        if let Some(difference) = difference {
+            let log = Path::new(log.file_name().unwrap_or_default()).display();
+            let reason = format!("it and {log} list different pairs: {difference}");
+            return Err(Error::malformed(&info, reason));
+        }
+        let name = log.file_stem().unwrap_or_default().to_string_lossy();
+        Ok(Self {
+            name: name.into_owned(),
+            file: log.to_owned(),
+            pairs,
+            information: information.map(matrices),
+        })
+    }
 }
 
 /// The two files of a list, of which at least one is there.
@@ -80,7 +130,7 @@ impl ListFiles {
         let information = self.has_information().then(|| read_gt_info(&self.info));
         let information = information.transpose()?.map(|information| {
             self.check_same_pairs(&pairs, &information, problems);
-            information.iter().map(|entry| entry.information).collect()
+            matrices(information)
         });
         Ok(Some(PairList {
             name: self.name.to_owned(),
@@ -96,24 +146,30 @@ impl ListFiles {
         information: &[InfoEntry],
         problems: &mut Problems,
     ) {
-        let difference = match (pairs.len(), information.len()) {
-            (log, info) if log != info => format!("{log} and {info} of them"),
-            _ => {
-                let mut entries = pairs.iter().zip(information);
-                match entries.find(|(log, info)| (log.i, log.j) != (info.i, info.j)) {
-                    None => return,
-                    Some((log, info)) => {
-                        let [log, info] = [(log.i, log.j), (info.i, info.j)];
-                        format!("{log:?} where the other has {info:?}")
-                    }
-                }
-            }
+        let Some(difference) = difference(pairs, information) else {
+            return;
         };
         let [log, info] = [&self.log, &self.info].map(|file| problems.shown(file));
         problems.add(format!(
             "{log} and {info} list different pairs: {difference}"
         ));
     }
+}
+
+/// How the pairs of a `.log` and of an `.info` file differ, if they do.
+fn difference(pairs: &[LogEntry], information: &[InfoEntry]) -> Option<String> {
+    if pairs.len() != information.len() {
+        return Some(format!("{} and {} of them", pairs.len(), information.len()));
+    }
+    let log = pairs.iter().map(|pair| (pair.i, pair.j));
+    let mut ends = log.zip(information.iter().map(|entry| (entry.i, entry.j)));
+    let (log, info) = ends.find(|(log, info)| log != info)?;
+    Some(format!("{log:?} where the other has {info:?}"))
+}
+
+fn matrices(information: Vec<InfoEntry>) -> Vec<Matrix6<f64>> {
+    let entries = information.into_iter();
+    entries.map(|entry| entry.information).collect()
 }
 
 fn beside(present: &Path, missing: &Path, problems: &Problems) -> String {
@@ -124,8 +180,8 @@ fn beside(present: &Path, missing: &Path, problems: &Problems) -> String {
 fn check_pairs(log: &Path, pairs: &[LogEntry], scans: &Numbered, problems: &mut Problems) {
     let file = problems.shown(log);
     let num_scans = scans.len();
-    if let Some(pair) = pairs.iter().find(|pair| pair.num_fragments != num_scans) {
-        let counted = pair.num_fragments;
+    if let Some(pair) = pairs.iter().find(|pair| pair.num_scans != num_scans) {
+        let counted = pair.num_scans;
         problems.add(format!(
             "{file} counts {counted} scans, {num_scans} are there"
         ));

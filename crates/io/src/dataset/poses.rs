@@ -1,11 +1,12 @@
-//! The true poses of the scans of a scene.
+//! The known poses of the scans of a scene.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::numbered::{Naming, Numbered};
 use super::problems::Problems;
-use crate::poses::{KnownPose, read_known_poses_3x4};
+use crate::pose_matrix::KnownPose;
+use crate::poses::read_known_poses;
 use crate::{Error, read_pose_matrix};
 
 /// The table of all poses.
@@ -57,7 +58,7 @@ pub(super) fn read_table(
     scans: &Numbered,
     problems: &mut Problems,
 ) -> Result<Poses, Error> {
-    let rows = read_known_poses_3x4(path)?;
+    let rows = read_known_poses(path)?;
     let num_rows = rows.len();
     let poses: BTreeMap<usize, _> = rows.into_iter().collect();
     let file = problems.shown(path);

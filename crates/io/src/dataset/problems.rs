@@ -1,4 +1,4 @@
-//! What is wrong with a scene, gathered before it is told.
+//! The problems of a scene, gathered into one error.
 
 use std::path::{Path, PathBuf};
 
@@ -32,8 +32,8 @@ impl Problems {
         self.add_start_of_list(what, items, total);
     }
 
-    /// As [`add_list`](Self::add_list) for a list of `total` items, of which no more are asked for
-    /// than are spelled out.
+    /// As [`add_list`](Self::add_list) for a list of `total` items. `items` need only hold those that are
+    /// spelled out.
     pub(super) fn add_start_of_list(
         &mut self,
         what: &str,

@@ -1,30 +1,29 @@
 //! A scene as a list of its files.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::descriptors::{self, DescriptorSets};
-use super::numbered::trailing_number;
-use super::problems::Problems;
-use super::truth::SceneTruth;
+use super::attach::sets_of_scans;
+use super::ground_truth::GroundTruth;
 use crate::{DescriptorFiles, Error, scan_files};
 
-/// The scans of a scene, by their files, and what is known of their true poses.
+/// The scans of a scene, by their files, and their ground truth.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Scene {
     /// Name of the folder.
     pub name: String,
     /// The folder.
     pub folder: PathBuf,
-    /// The scans: the one in place `i` is scan `i` of the truth.
+    /// The scans: the one in place `i` is scan `i` of the ground truth.
     pub scans: Vec<SceneScan>,
-    /// What is known of the true poses; all empty where nothing is.
-    pub truth: SceneTruth,
+    /// The ground truth; all empty where nothing is known.
+    pub ground_truth: GroundTruth,
 }
 
 /// The files of a scan.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SceneScan {
     /// The point cloud, for [`read_points`](crate::read_points).
     pub cloud: Option<PathBuf>,
@@ -33,7 +32,7 @@ pub struct SceneScan {
 }
 
 impl Scene {
-    /// A scene of any point clouds: those of [`scan_files`], in its order, without truth.
+    /// A scene of any point clouds: those of [`scan_files`], in its order, without ground truth.
     ///
     /// For folders that follow no layout, where [`Layout::of`](crate::Layout::of) finds none.
     ///
@@ -63,20 +62,19 @@ impl Scene {
             name: folder_name(folder),
             folder: folder.to_owned(),
             scans: scans.collect(),
-            truth: SceneTruth::default(),
+            ground_truth: GroundTruth::default(),
         })
     }
 
-    /// Takes keypoints and descriptors from a folder of their own, in one of the two forms of
+    /// Takes the files of keypoints and descriptors from a folder of their own, in one of the two forms of
     /// [`Layout::Yoho`](crate::Layout::Yoho).
     ///
-    /// A set belongs to the scan whose cloud's name ends in the same number; where clouds are without
-    /// such numbers, to the scan in the place of its number. Sets that a scan had are replaced.
+    /// [`descriptor_files_of_clouds`](crate::descriptor_files_of_clouds) says which set belongs to which
+    /// scan. Sets that a scan had are replaced.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder cannot be listed, [`Error::NothingFound`] if it has no descriptors.
-    /// [`Error::Incomplete`] if a scan has no set, a set half its files or no scan, or if two sets
-    /// have the same number; then the scene is as it was.
+    /// Those of [`descriptor_files_of_clouds`](crate::descriptor_files_of_clouds). Then the scene is as it
+    /// was.
     ///
     /// # Example
     /// ```
@@ -100,34 +98,17 @@ impl Scene {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn attach_descriptors(&mut self, folder: impl AsRef<Path>) -> Result<(), Error> {
-        let folder = folder.as_ref();
-        let sets = DescriptorSets::find(folder)?.ok_or_else(|| Error::NothingFound {
-            folder: folder.to_owned(),
-            wanted: descriptors::WANTED,
-        })?;
-        let numbers = self.numbers();
-        let mut problems = Problems::of(folder);
-        sets.check(&numbers.iter().copied().collect(), &mut problems);
-        problems.into_result()?;
-        for (scan, number) in self.scans.iter_mut().zip(numbers) {
-            scan.descriptors = Some(sets.of_scan(number));
+        let clouds: Vec<_> = self
+            .scans
+            .iter()
+            .map(|scan| scan.cloud.as_deref())
+            .collect();
+        let sets = sets_of_scans(&clouds, folder.as_ref())?;
+        for (scan, set) in self.scans.iter_mut().zip(sets) {
+            scan.descriptors = Some(set);
         }
         Ok(())
     }
-
-    /// The number of each scan, by which files elsewhere belong to it.
-    fn numbers(&self) -> Vec<usize> {
-        let in_names: Option<Vec<usize>> = self.scans.iter().map(number_of_cloud).collect();
-        let is_unique =
-            |numbers: &Vec<usize>| numbers.iter().collect::<BTreeSet<_>>().len() == numbers.len();
-        in_names
-            .filter(is_unique)
-            .unwrap_or_else(|| (0..self.scans.len()).collect())
-    }
-}
-
-fn number_of_cloud(scan: &SceneScan) -> Option<usize> {
-    trailing_number(scan.cloud.as_ref()?.file_stem()?.to_str()?)
 }
 
 /// The last name of the path; that of the folder itself for a path such as `.` or `..`.
@@ -150,17 +131,6 @@ mod tests {
         }
         let scene = Scene::of_clouds(folder.path()).unwrap();
         (folder, scene)
-    }
-
-    #[test]
-    fn numbers_in_the_names_of_clouds_count_unless_one_lacks_or_repeats_it() {
-        for (names, numbers) in [
-            (["scan_3.ply", "scan_7.ply"], [3, 7]),
-            (["scan_3.ply", "stairs.ply"], [0, 1]),
-            (["a_3.ply", "b_3.ply"], [0, 1]),
-        ] {
-            assert_eq!(scene_of(&names).1.numbers(), numbers);
-        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::str::SplitWhitespace;
 
 use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
 
-use super::{announced, axis};
+use super::names::{announced, axis};
 use crate::bytes::Source;
 use crate::rows::{self, Rows};
 use crate::{Error, PointFile};

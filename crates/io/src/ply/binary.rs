@@ -9,7 +9,7 @@ use ply_rs_bw::ply::{
     ElementDef, Header, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
 
-use super::{announced, axis};
+use super::names::{announced, axis};
 use crate::bytes::Source;
 use crate::{Error, PointFile};
 

@@ -1,17 +1,17 @@
-//! The header, made plain for its parser.
+//! The header, simplified for its parser.
 //!
-//! The parser crate refuses names of properties that are no identifiers, blank lines, and bytes
-//! that are no text, all of which occur in files of common programs and matter to nobody here.
+//! The parser crate refuses blank lines, bytes that are not text, and names of properties that are not
+//! identifiers. All of these occur in files of common programs, and none is needed here.
 
-use super::{NORMAL, axis};
+use super::names::{NORMAL, axis};
 
 /// Whether the line ends the header.
 pub(super) fn is_last_line(line: &str) -> bool {
     line.trim_ascii() == "end_header"
 }
 
-/// The header with as many lines, of which those that declare nothing are empty comments, and with
-/// neutral names for all properties except coordinates and normals.
+/// The header with the same number of lines. Lines that declare nothing become empty comments.
+/// Properties other than coordinates and normals get neutral names.
 pub(super) fn plain(header: &str) -> String {
     let lines = header.lines().enumerate();
     let plain = lines.map(|(place, line)| plain_line(line, place) + "\n");

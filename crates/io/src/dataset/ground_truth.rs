@@ -1,48 +1,57 @@
-//! What is known of the true poses of a scene.
+//! The ground truth of a scene.
 
 use std::path::{Path, PathBuf};
 
 use nalgebra::Isometry3;
 
+use super::layout::Layout;
 use super::numbered::Numbered;
 use super::overlaps::{PairOverlap, read_overlaps};
 use super::pairs::{ListFiles, PairList};
+use super::places::{self, find_file};
+use super::poses;
 use super::problems::Problems;
-use super::{Layout, clouds, poses};
 use crate::Error;
 
 /// Tables of overlaps, the most complete first: the benchmark's own list only some pairs.
 const OVERLAPS: [&str; 3] = ["overlap.csv", "official_gt_overlap.log", "gt_overlap.log"];
 
-/// What is known of the true poses of a scene. Scans are named by their place in
-/// [`Scene::scans`](crate::Scene::scans), which is the number in their file names.
+/// The ground truth of a scene: poses, relative poses and overlaps that are known from elsewhere.
+///
+/// Scans are named by their place in [`Scene::scans`](crate::Scene::scans), which is the number in their
+/// file names.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SceneTruth {
+#[non_exhaustive]
+pub struct GroundTruth {
     /// The lists of pairs that a benchmark judges: `3dmatch`, `3dlomatch`, `gt`, in this order, as
     /// far as they are there.
-    pub match_lists: Vec<PairList>,
-    /// Overlaps of pairs. A pair that is not listed is one of which nothing is told.
+    pub pair_lists: Vec<PairList>,
+    /// Overlaps of pairs. Nothing is known of a pair that is not listed.
     pub overlaps: Option<Vec<PairOverlap>>,
-    /// The motion of each scan into the frame that all share, in the unit of the scans; `None` for a
-    /// scan of unknown pose.
+    /// The pose of each scan in one common frame, in the unit of the scans. `None` for a scan of unknown
+    /// pose.
     pub world_from_scan: Option<Vec<Option<Isometry3<f64>>>>,
 }
 
-impl SceneTruth {
+impl GroundTruth {
     /// The list of pairs of a name.
     ///
     /// # Example
     /// ```
-    /// use gmpcr_io::{PairList, SceneTruth};
+    /// use gmpcr_io::{Layout, read_scene};
     ///
-    /// let gt = PairList { name: "gt".into(), file: "gt.log".into(), pairs: vec![], information: None };
-    /// let truth = SceneTruth { match_lists: vec![gt], ..SceneTruth::default() };
-    /// assert!(truth.match_list("gt").is_some());
-    /// assert!(truth.match_list("3dlomatch").is_none());
+    /// let folder = tempfile::tempdir()?;
+    /// for name in ["cloud_bin_0.ply", "gt.log"] {
+    ///     std::fs::write(folder.path().join(name), "")?;
+    /// }
+    /// let ground_truth = read_scene(folder.path(), Layout::Eth)?.ground_truth;
+    /// assert!(ground_truth.pair_list("gt").is_some());
+    /// assert!(ground_truth.pair_list("3dlomatch").is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn match_list(&self, name: &str) -> Option<&PairList> {
-        self.match_lists.iter().find(|list| list.name == name)
+    pub fn pair_list(&self, name: &str) -> Option<&PairList> {
+        self.pair_lists.iter().find(|list| list.name == name)
     }
 
     pub(super) fn read(
@@ -51,38 +60,16 @@ impl SceneTruth {
         scans: &Numbered,
         problems: &mut Problems,
     ) -> Result<Self, Error> {
-        let places = places(folder);
+        let places = places::of_ground_truth(folder);
         Ok(Self {
-            match_lists: read_match_lists(&places, layout, scans, problems)?,
+            pair_lists: read_pair_lists(&places, layout, scans, problems)?,
             overlaps: read_scene_overlaps(&places, scans, problems)?,
             world_from_scan: read_poses(folder, layout, scans, problems)?,
         })
     }
 }
 
-/// Where the truth of a scene may lie: in its folder, beside its clouds, or, as 3DMatch is handed
-/// out, in a folder of its own, `<scene>-evaluation`.
-pub(super) fn places(folder: &Path) -> Vec<PathBuf> {
-    let beside_clouds = clouds::SUBFOLDERS.map(|name| folder.join(name));
-    let evaluation = folder.file_name().map(|name| {
-        let mut name = name.to_owned();
-        name.push("-evaluation");
-        folder.with_file_name(name)
-    });
-    [folder.to_owned()]
-        .into_iter()
-        .chain(beside_clouds)
-        .chain(evaluation)
-        .collect()
-}
-
-/// The first file of the name, if there is one.
-pub(super) fn find_file(places: &[PathBuf], name: &str) -> Option<PathBuf> {
-    let mut paths = places.iter().map(|place| place.join(name));
-    paths.find(|path| path.is_file())
-}
-
-fn read_match_lists(
+fn read_pair_lists(
     places: &[PathBuf],
     layout: Layout,
     scans: &Numbered,
@@ -119,7 +106,7 @@ fn read_poses(
     scans: &Numbered,
     problems: &mut Problems,
 ) -> Result<Option<poses::Poses>, Error> {
-    if let Some(table) = find_file(&places(folder), poses::TABLE) {
+    if let Some(table) = find_file(&places::of_ground_truth(folder), poses::TABLE) {
         return poses::read_table(&table, scans, problems).map(Some);
     }
     if layout != Layout::ScanNet {

@@ -1,4 +1,4 @@
-//! Pose graphs as Open3D keeps them.
+//! Pose graphs in the JSON format of Open3D.
 
 use std::io::Write;
 use std::path::Path;
@@ -10,32 +10,37 @@ use crate::atomic::write_atomically;
 use crate::text::read_text;
 use crate::{Error, rigid};
 
-/// A pose graph of Open3D: poses, and relative motions between them.
+/// A pose graph of Open3D: poses, and relative poses between them.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Open3dPoseGraph {
     /// `world_from_scan` of each scan.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows::list"))]
     pub nodes: Vec<Isometry3<f64>>,
-    /// The measured motions.
+    /// The measured relative poses.
     pub edges: Vec<Open3dEdge>,
 }
 
-/// A measured motion between two scans.
+/// A measured relative pose of two scans.
 ///
-/// A perfect one satisfies `target_from_source = world_from_target^-1 * world_from_source`.
+/// Without noise it satisfies `target_from_source = world_from_target^-1 * world_from_source`.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Open3dEdge {
-    /// The scan that is moved, a place in [`Open3dPoseGraph::nodes`].
+    /// The scan whose coordinates are mapped, a place in [`Open3dPoseGraph::nodes`].
     pub source: usize,
-    /// The scan into whose frame it is moved, a place in [`Open3dPoseGraph::nodes`].
+    /// The scan into whose frame they are mapped, a place in [`Open3dPoseGraph::nodes`].
     pub target: usize,
-    /// The motion from the frame of the source to that of the target.
+    /// The transformation from the frame of the source to that of the target.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub target_from_source: Isometry3<f64>,
     /// The information matrix in the order rotation, translation, as Open3D computes and reads it.
     /// (g2o has translation first: swap the two halves of rows and columns.)
     pub information: Matrix6<f64>,
-    /// Whether Open3D may doubt the edge. It takes edges of odometry as certain, loops as uncertain.
+    /// Whether Open3D may remove the edge as an outlier. Its edges of odometry are certain, loop closures
+    /// are uncertain.
     pub uncertain: bool,
-    /// How much Open3D's optimisation believed an uncertain edge, from 0 to 1; 1 before it ran.
+    /// The weight that Open3D's optimization gave an uncertain edge, from 0 to 1. It is 1 before that.
     pub confidence: f64,
 }
 
@@ -46,7 +51,7 @@ pub struct Open3dEdge {
 ///
 /// # Errors
 /// [`Error::Unwritable`], which names the node or the edge, if a number is not finite or an edge names
-/// a scan that is no node. [`Error::Io`] if the file cannot be written. In both cases it is as it was
+/// a scan that is not a node. [`Error::Io`] if the file cannot be written. In both cases it is as it was
 /// before.
 ///
 /// # Example
@@ -92,7 +97,7 @@ const EDGE: &str = "PoseGraphEdge";
 
 fn graph_value(graph: &Open3dPoseGraph) -> Result<Value, String> {
     let nodes = (0..).zip(&graph.nodes).map(|(k, world_from_scan)| {
-        let pose = motion_value(world_from_scan);
+        let pose = matrix_value(world_from_scan);
         let pose = pose.ok_or_else(|| format!("node {k} is not finite"))?;
         Ok(json!({ "class_name": NODE, "version_major": 1, "version_minor": 0, "pose": pose }))
     });
@@ -116,15 +121,15 @@ fn edge_value(edge: &Open3dEdge) -> Option<Value> {
         "version_minor": 0,
         "source_node_id": edge.source,
         "target_node_id": edge.target,
-        "transformation": motion_value(&edge.target_from_source)?,
+        "transformation": matrix_value(&edge.target_from_source)?,
         "information": finite(edge.information.as_slice())?,
         "uncertain": edge.uncertain,
         "confidence": finite(&[edge.confidence])?[0],
     }))
 }
 
-fn motion_value(motion: &Isometry3<f64>) -> Option<Vec<f64>> {
-    finite(motion.to_homogeneous().as_slice())
+fn matrix_value(transformation: &Isometry3<f64>) -> Option<Vec<f64>> {
+    finite(transformation.to_homogeneous().as_slice())
 }
 
 /// JSON has no numbers that are not finite.
@@ -151,9 +156,9 @@ fn check_ends(edge: &Open3dEdge, num_nodes: usize) -> Result<(), String> {
 /// `confidence`, as in files of old versions, it is 1.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is no JSON of class
-/// `PoseGraph`, if an entry is missing or of another kind, if a matrix is off any rigid motion by more
-/// than 0.01 in an entry, or if an edge names a node that is not in the file; the message tells which.
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not JSON of class
+/// `PoseGraph`, if an entry is missing or of another kind, if a matrix is off any rigid transformation by more
+/// than 0.01 in an entry, or if an edge names a node that is not in the file; the message says which.
 pub fn read_open3d_pose_graph(path: impl AsRef<Path>) -> Result<Open3dPoseGraph, Error> {
     let path = path.as_ref();
     let text = read_text(path)?;
@@ -179,7 +184,7 @@ fn graph(value: &Value) -> Result<Open3dPoseGraph, String> {
 
 fn node(value: &Value) -> Result<Isometry3<f64>, String> {
     check_class(value, NODE)?;
-    motion(value, "pose")
+    transformation(value, "pose")
 }
 
 fn edge(value: &Value, num_nodes: usize) -> Result<Open3dEdge, String> {
@@ -192,10 +197,10 @@ fn edge(value: &Value, num_nodes: usize) -> Result<Open3dEdge, String> {
     let edge = Open3dEdge {
         source: index(value, "source_node_id")?,
         target: index(value, "target_node_id")?,
-        target_from_source: motion(value, "transformation")?,
+        target_from_source: transformation(value, "transformation")?,
         information: Matrix6::from_column_slice(&numbers::<36>(value, "information")?),
         uncertain: uncertain.ok_or("\"uncertain\" is neither true nor false")?,
-        confidence: confidence.ok_or("\"confidence\" is no number")?,
+        confidence: confidence.ok_or("\"confidence\" is not a number")?,
     };
     check_ends(&edge, num_nodes)?;
     Ok(edge)
@@ -212,23 +217,23 @@ fn check_class(value: &Value, class: &str) -> Result<(), String> {
 fn list<'a>(value: &'a Value, key: &str) -> Result<&'a [Value], String> {
     let list = value[key]
         .as_array()
-        .ok_or_else(|| format!("{key:?} is no list"))?;
+        .ok_or_else(|| format!("{key:?} is not a list"))?;
     Ok(list)
 }
 
 fn index(value: &Value, key: &str) -> Result<usize, String> {
     let index = value[key].as_u64().and_then(|index| index.try_into().ok());
-    index.ok_or_else(|| format!("{key:?} is no whole number from 0 on"))
+    index.ok_or_else(|| format!("{key:?} is not a whole number from 0 on"))
 }
 
 fn numbers<const N: usize>(value: &Value, key: &str) -> Result<[f64; N], String> {
     let numbers: Option<Vec<f64>> = list(value, key)?.iter().map(Value::as_f64).collect();
     numbers
         .and_then(|numbers| numbers.try_into().ok())
-        .ok_or_else(|| format!("{key:?} is no list of {N} numbers"))
+        .ok_or_else(|| format!("{key:?} is not a list of {N} numbers"))
 }
 
-fn motion(value: &Value, key: &str) -> Result<Isometry3<f64>, String> {
+fn transformation(value: &Value, key: &str) -> Result<Isometry3<f64>, String> {
     let columns = numbers::<16>(value, key)?;
     let entry = |row: usize, column: usize| columns[4 * column + row];
     let named = |reason: String| format!("{key:?}: {reason}");
@@ -307,21 +312,21 @@ mod tests {
                 json!("TriangleMesh"),
                 "it is of class \"TriangleMesh\"",
             ),
-            ("/nodes", json!(3), "\"nodes\" is no list"),
+            ("/nodes", json!(3), "\"nodes\" is not a list"),
             (
                 "/nodes/1/pose",
                 json!([1.0, 2.0]),
-                "node 1: \"pose\" is no list of 16 numbers",
+                "node 1: \"pose\" is not a list of 16 numbers",
             ),
             (
                 "/nodes/1/pose/0",
                 json!("a"),
-                "node 1: \"pose\" is no list of 16 numbers",
+                "node 1: \"pose\" is not a list of 16 numbers",
             ),
             (
                 "/nodes/1/pose/0",
                 json!(7.0),
-                "node 1: \"pose\": the 3x3 part is no rotation",
+                "node 1: \"pose\": the 3x3 part is not a rotation",
             ),
             (
                 "/nodes/1/pose/3",
@@ -336,13 +341,13 @@ mod tests {
             (
                 "/edges/0/target_node_id",
                 json!(-1),
-                "\"target_node_id\" is no whole number",
+                "\"target_node_id\" is not a whole number",
             ),
             ("/edges/0/uncertain", json!(1), "\"uncertain\" is neither"),
             (
                 "/edges/0/confidence",
                 json!("high"),
-                "\"confidence\" is no number",
+                "\"confidence\" is not a number",
             ),
         ] {
             let said = with(pointer, value);
