@@ -45,6 +45,7 @@ mod lie_averaging;
 mod loss;
 mod method;
 mod params;
+mod parts;
 mod pattern;
 mod report;
 mod residuals;

@@ -8,10 +8,10 @@ use crate::history::History;
 use crate::loss::RobustLoss;
 use crate::method::Method;
 use crate::params::{AdaptiveHistory, SyncParams};
+use crate::parts::{Part, Parts};
 use crate::report::{ComponentReport, EdgeReport, Iteration, Synchronization};
 use crate::residuals::{EdgeResidual, edge_residuals};
 use crate::solution::Solution;
-use crate::subgraph::{Part, Parts};
 use crate::{consensus, eigse3, hara, history_aware, lie_averaging};
 
 /// Synchronizes the relative poses of a graph: iteratively reweighted least squares with residual
