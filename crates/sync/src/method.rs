@@ -4,8 +4,10 @@ use std::str::FromStr;
 /// How a pose graph is synchronized: the paper's way, and others to compare with or to choose where
 /// many edges are outliers.
 ///
-/// All take the same graph and honor its weights. [`SyncParams::iterations`] counts reweightings and
-/// [`SyncParams::residual_scale`], `σ`, is the scale of the robust loss, where the method has such.
+/// All take the same graph and honor its weights. `L`, the
+/// [`SyncParams::iterations`](crate::SyncParams::iterations), counts reweightings, and `σ`, the
+/// [`SyncParams::residual_scale`](crate::SyncParams::residual_scale), is the scale of the robust loss,
+/// where the method has such.
 /// Methods that average rotations only get their positions by
 /// [`solve_translations`](crate::solve_translations) under the final weights.
 ///
@@ -31,10 +33,6 @@ use std::str::FromStr;
 /// assert_eq!(Method::default().to_string(), "adaptive");
 /// assert!("best".parse::<Method>().unwrap_err().to_string().contains("consensus"));
 /// ```
-///
-/// [`SyncParams::iterations`]: crate::SyncParams::iterations
-/// [`SyncParams::residual_scale`]: crate::SyncParams::residual_scale
-/// [`SyncParams::history`]: crate::SyncParams::history
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
@@ -42,12 +40,11 @@ pub enum Method {
     /// translation least squares.
     ///
     /// The memory of the history adapts to the evolution of the overall error, and edges whose
-    /// residual falls recover: see [`AdaptiveHistory`](crate::AdaptiveHistory), the type of
-    /// [`SyncParams::history`].
+    /// residual falls recover: see [`AdaptiveHistory`](crate::AdaptiveHistory).
     #[default]
     Adaptive,
-    /// [`Adaptive`](Self::Adaptive) without recovery, `ρ = 0`; the other parameters of
-    /// [`SyncParams::history`] hold.
+    /// [`Adaptive`](Self::Adaptive) without recovery, `ρ = 0`; the other parameters of the
+    /// history hold.
     NoRecovery,
     /// [`Adaptive`](Self::Adaptive) with the accumulating history of SGHR (Wang et al., CVPR 2023):
     /// with `θ` the residual in degrees, `w ← w exp(−2 θ (ℓ+1) / (L(L+1)/2))`, multiplied on over all
@@ -87,19 +84,19 @@ pub enum Method {
     /// The authors solve each linearized ℓ₁ problem by linear programming; here the norm is that of the
     /// rotation vector, so that the result does not depend on the axes.
     ///
-    /// At most [`SyncParams::iterations`] reweightings, but no fewer than 20, as the start is far; none
+    /// At most `L` reweightings, but no fewer than 20, as the start is far; none
     /// (plain least squares) if that is 0. Each costs one sparse factorization of an `N × N` matrix and
     /// a few solves.
     L1,
     /// L1-IRLS of the paper of 2013 that [`L1`](Self::L1) names: from the ℓ₁ average on with the
     /// Geman–McClure loss `ρ(r) = r² / (r² + σ²)`, whose weights are `w⁰ / (1 + r²/σ²)²`.
     ///
-    /// At most [`SyncParams::iterations`] more reweightings. A minimum found need not be the lowest.
+    /// At most `L` more reweightings. A minimum found need not be the lowest.
     L1Irls,
     /// The choice of the paper of 2018 that [`L1`](Self::L1) names: from the ℓ₁ average on with the
     /// loss `ρ(r) = √r`, whose weights are `w⁰ min(1, (σ / 10 r)^{3/2})`.
     ///
-    /// At most [`SyncParams::iterations`] more reweightings. A minimum found need not be the lowest.
+    /// At most `L` more reweightings. A minimum found need not be the lowest.
     RotAvgLHalf,
     /// HARA: rotation averaging that begins with the edges that most triangles confirm (Lee and
     /// Civera, "HARA: A hierarchical approach for robust rotation averaging", CVPR 2022).
@@ -111,7 +108,7 @@ pub enum Method {
     ///    scan takes, of the rotations that its edges from the tree propose, the one nearest to all.
     /// 3. A first least squares leaves out the edges that the tree contradicts by more than `8 σ`
     ///    (weight 10⁻⁶), and the loss of [`RotAvgLHalf`](Self::RotAvgLHalf) refines it. Together these
-    ///    take at most [`SyncParams::iterations`] reweightings; 0 is plain least squares.
+    ///    take at most `L` reweightings; 0 is plain least squares.
     ///
     /// Simplified: the paper takes its thresholds from percentiles of sampled loop errors, adds
     /// unsupported scans by the number of their edges, and never takes filtered edges back. Finding the
@@ -128,7 +125,7 @@ pub enum Method {
     ///    to where more of its edges place it, until none does.
     /// 3. All edges: reweighted least squares, first of rotations, then of translations, with the
     ///    Geman–McClure loss of both residuals, `w = w⁰ (1 + (r_R/σ_R)² + (r_t/σ_t)²)⁻²`, its scale
-    ///    falling from four times the noise to the noise. `σ_R` is [`SyncParams::residual_scale`].
+    ///    falling from four times the noise to the noise. `σ_R` is `σ`.
     /// 4. Rotations and translations at once, by reweighted Gauss–Newton steps down the loss
     ///
     ///    ```text
@@ -138,7 +135,7 @@ pub enum Method {
     ///    since the translations of long edges determine rotations better than their rotations do. `s`
     ///    is four times the noise that the residuals of agreeing edges show, each step anew.
     ///
-    /// Steps 3 and 4 take at most [`SyncParams::iterations`] reweightings each; if that is 0, the edges
+    /// Steps 3 and 4 take at most `L` reweightings each; if that is 0, the edges
     /// are weighted once by the poses of step 2. Where no triangle closes,
     /// step 2 grows a tree and rotations alone are compared, until step 4 finds the noise of the
     /// translations. Without the redundancy to find the noise, step 4 keeps the scales of step 3. It is
