@@ -7,7 +7,7 @@ mod common;
 use gmpcr_eval::{Gauge, PoseError, absolute_errors};
 use gmpcr_posegraph::{PoseEdge, PoseGraph};
 use gmpcr_sim::{PoseGraphSimParams, SimulatedPoseGraph, simulate_pose_graph};
-use gmpcr_sync::{Method, SyncParams, Synchronization};
+use gmpcr_sync::{AdaptiveHistory, Method, SyncParams, Synchronization};
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
 
@@ -264,6 +264,25 @@ fn a_large_graph_joined_at_random_is_exact() {
         let error = error(&result, &poses);
         assert!(error < 1e-6, "{name}: {error}");
     }
+}
+
+#[test]
+fn no_recovery_is_the_adaptive_history_with_a_recovery_of_zero() {
+    let (_, graph) = random_graph(0.2, 3);
+    let with = |method, recovery| {
+        let params = SyncParams {
+            method,
+            history: AdaptiveHistory {
+                recovery,
+                ..AdaptiveHistory::default()
+            },
+            ..SyncParams::default()
+        };
+        synchronize(&graph, &params).edges
+    };
+    let expected = with(Method::Adaptive, 0.0);
+    assert_eq!(with(Method::NoRecovery, 0.5), expected);
+    assert_ne!(with(Method::Adaptive, 0.5), expected);
 }
 
 /// 50 scans, ten edges at each, noise of 2° and 5 cm, and a ratio of uniformly random edges.
