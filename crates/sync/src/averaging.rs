@@ -8,15 +8,18 @@ use crate::subgraph::{Subgraph, relative};
 
 /// Rotations of all scans of a connected graph, and how well their eigenproblem was solved.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct AveragedRotations {
     /// `R_i`, from the scan's frame into that of scan 0, which has the identity.
+    #[cfg_attr(feature = "serde", serde(with = "crate::rotation_rows"))]
     pub world_from_scan: Vec<Rotation3<f64>>,
     /// Largest residual of the three eigenvectors in units of the largest weighted degree: whether
     /// the eigenproblem was solved (below 1e-11), not whether its solution is a good one.
     pub eigen_residual: f64,
     /// Smallest over largest singular value of the scans' 3×3 blocks, in [0, 1]: 1 for consistent
-    /// measurements, near 0 where the eigenvectors dwell on a part of the graph that hangs on the
-    /// rest by weak or contradictory edges. The rotations of the rest are then unreliable.
+    /// measurements, near 0 where the eigenvectors dwell on a part of the graph that only weak or
+    /// contradictory edges connect with the rest. The rotations of the rest are then unreliable.
     pub weakest_block: f64,
 }
 
@@ -50,7 +53,7 @@ pub fn average_rotations(graph: &PoseGraph, weights: &[f64]) -> AveragedRotation
 }
 
 /// Averages the rotations of one graph again and again under changing weights: the pattern is
-/// analysed once, and each search starts from the eigenvectors of the last.
+/// analyzed once, and each search starts from the eigenvectors of the last.
 pub(crate) struct RotationAverager<'a> {
     laplacian: ConnectionLaplacian<'a>,
     /// Of the last weights.

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 
 /// A sparse symmetric matrix of fixed pattern, of which the lower triangle is stored, and its
 /// Cholesky decomposition. The ordering and the pattern of the factor are found once; each set of
-/// values costs a numeric factorisation only.
+/// values costs a numeric factorization only.
 pub(crate) struct SparseCholesky {
     pattern: SymbolicSparseColMat<usize>,
     symbolic: SymbolicCholesky<usize>,
@@ -25,12 +25,12 @@ pub(crate) struct Unfactorable;
 /// Right-hand sides that are ever solved for at once.
 const MAX_COLUMNS: usize = 8;
 /// Numbers of the factor for each of the matrix, at most. Graphs of scans that are joined with their
-/// neighbours in space reach 10 with hundreds of scans and 30 with ten thousands; in graphs joined at random
+/// neighbors in space reach 10 with hundreds of scans and 30 with ten thousands; in graphs joined at random
 /// the factor fills up.
 const MAX_FILL: usize = 128;
 
 impl SparseCholesky {
-    /// Analyses the pattern of a lower triangle, given by compressed columns with ascending rows. `None`
+    /// Analyzes the pattern of a lower triangle, given by compressed columns with ascending rows. `None`
     /// where the factor would have more than 128 times as many numbers, so that memory stays linear.
     ///
     /// # Panics

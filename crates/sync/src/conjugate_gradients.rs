@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 const MAX_ITERATIONS: usize = 1000;
 
 /// Solves `A x = b` by conjugate gradients, preconditioned by the diagonal (Hestenes and Stiefel 1952), until
-/// the residual in the norm of the inverse diagonal is this share of that of `x = 0`. The solution is as
+/// the residual in the norm of the inverse diagonal is this fraction of that of `x = 0`. The solution is as
 /// good as 1000 iterations make it where `A` is ill conditioned; `None` where its diagonal is not positive.
 ///
 /// `A` is symmetric, positive definite, given by its products, and acts alike on the three coordinates of

@@ -6,30 +6,31 @@ use nalgebra::{DMatrix, Isometry3, Matrix4, Vector3, Vector4};
 use crate::averaging::nearest_rotations;
 use crate::cholesky::{SparseCholesky, Unfactorable};
 use crate::eigenspace::{Eigenspace, SemidefiniteMatrix, smallest_eigenvectors};
-use crate::method::Solution;
+use crate::solution::Solution;
 use crate::subgraph::{Measurement, Subgraph, relative};
 
-/// Dimension of the space of stacked motions: that of a homogeneous vector.
+/// Dimension of the space of stacked transformations: that of a homogeneous vector.
 const WANTED: usize = 4;
 
-/// Spectral synchronisation in SE(3). Its unknowns are `X_i = T_i⁻¹`, for which `T̂_ij ≈ X_i X_j⁻¹` as
+/// Spectral synchronization in SE(3). Its unknowns are `X_i = T_i⁻¹`, for which `T̂_ij ≈ X_i X_j⁻¹` as
 /// in the paper.
-pub(crate) fn synchronize(graph: &Subgraph, initial_weights: Vec<f64>) -> Solution {
-    let weights = relative(&initial_weights);
+pub(crate) fn synchronize(graph: &Subgraph, initial_weights: &[f64]) -> Solution {
+    let weights = relative(initial_weights);
     let along_tree = poses_along_tree(graph, &weights);
     let length = spread(&along_tree);
-    let mut matrix = MotionMatrix::new(graph, &weights, length);
-    let start = stacked_motions(&along_tree, length);
+    let mut matrix = NormalMatrix::new(graph, &weights, length);
+    let start = stacked_transformations(&along_tree, length);
     let start = Eigenspace::guess(start);
     let Eigenspace {
         vectors, residual, ..
     } = smallest_eigenvectors(&mut matrix, WANTED, &start);
-    let (node_from_world, weakest_block) = motions(&vectors.columns(0, WANTED).into_owned());
+    let (node_from_world, weakest_block) =
+        transformations(&vectors.columns(0, WANTED).into_owned());
     let poses = poses_from(node_from_world, length);
     Solution {
         eigen_residual: residual,
         weakest_block,
-        ..Solution::of_poses(poses, initial_weights, Vec::new())
+        ..Solution::of_poses(poses, Vec::new())
     }
 }
 
@@ -44,9 +45,9 @@ fn poses_along_tree(graph: &Subgraph, weights: &[f64]) -> Vec<Isometry3<f64>> {
 
 /// Mean distance of the positions from their centroid, one where they coincide.
 ///
-/// In this unit the translations of the stacked motions are of the size of the rotations. In the unit
-/// of a step of a large graph they would dwarf the bottom rows, by which the four vectors are told
-/// apart.
+/// In this unit the translations of the stacked transformations are of the size of the rotations. In the unit
+/// of a step of a large graph they would dwarf the bottom rows, by which the four vectors are
+/// distinguished.
 fn spread(poses: &[Isometry3<f64>]) -> f64 {
     let positions = poses.iter().map(|pose| pose.translation.vector);
     let count = poses.len() as f64;
@@ -56,20 +57,20 @@ fn spread(poses: &[Isometry3<f64>]) -> f64 {
     if mean > 0.0 { mean } else { 1.0 }
 }
 
-fn stacked_motions(poses: &[Isometry3<f64>], length: f64) -> DMatrix<f64> {
+fn stacked_transformations(poses: &[Isometry3<f64>], length: f64) -> DMatrix<f64> {
     let mut stacked = DMatrix::zeros(4 * poses.len(), 4);
     for (node, pose) in poses.iter().enumerate() {
-        let mut motion = pose.inverse();
-        motion.translation.vector /= length;
+        let mut node_from_world = pose.inverse();
+        node_from_world.translation.vector /= length;
         let mut block = stacked.fixed_view_mut::<4, 4>(4 * node, 0);
-        block.copy_from(&motion.to_homogeneous());
+        block.copy_from(&node_from_world.to_homogeneous());
     }
     stacked
 }
 
 /// `BᵀB` of `B = D ⊗ I₄ − Z`, where `Z` has the blocks `w_ij T̂_ij` and `D` the weighted degrees: zero
 /// for stacked `X_i` that agree with all measurements.
-struct MotionMatrix {
+struct NormalMatrix {
     num_nodes: usize,
     arcs: Vec<Arc>,
     /// `None` where the factor would fill up.
@@ -92,11 +93,11 @@ struct Arc {
 impl Arc {
     fn both_ways(m: &Measurement, weight: f64, length: f64) -> [Self; 2] {
         let i_from_j = isometry(&m.rotation, &(m.translation / length));
-        let arc = |a, b, motion: Isometry3<f64>| Self {
+        let arc = |a, b, a_from_b: Isometry3<f64>| Self {
             a,
             b,
             weight,
-            a_from_b: motion.to_homogeneous(),
+            a_from_b: a_from_b.to_homogeneous(),
         };
         [arc(m.i, m.j, i_from_j), arc(m.j, m.i, i_from_j.inverse())]
     }
@@ -105,7 +106,7 @@ impl Arc {
 /// 4×4 blocks by column and row.
 type Blocks = BTreeMap<(usize, usize), Matrix4<f64>>;
 
-impl MotionMatrix {
+impl NormalMatrix {
     fn new(graph: &Subgraph, weights: &[f64], length: f64) -> Self {
         let pairs = graph.measurements.iter().zip(weights);
         let arcs = pairs.flat_map(|(m, &weight)| Arc::both_ways(m, weight, length));
@@ -163,7 +164,7 @@ impl MotionMatrix {
     }
 }
 
-/// The lower triangle of `BᵀB`: each node links all its neighbours.
+/// The lower triangle of `BᵀB`: each node joins all its neighbors.
 fn normal_blocks(num_nodes: usize, arcs: &[Arc]) -> Blocks {
     let mut rows = vec![BTreeMap::<usize, Matrix4<f64>>::new(); num_nodes];
     for arc in arcs {
@@ -181,7 +182,7 @@ fn normal_blocks(num_nodes: usize, arcs: &[Arc]) -> Blocks {
     blocks
 }
 
-impl SemidefiniteMatrix for MotionMatrix {
+impl SemidefiniteMatrix for NormalMatrix {
     fn size(&self) -> usize {
         4 * self.num_nodes
     }
@@ -242,13 +243,13 @@ impl SemidefiniteMatrix for MotionMatrix {
     }
 }
 
-/// The motions whose stack spans the space of four vectors, and the ratio of the smallest to the
+/// The transformations whose stack spans the space of four vectors, and the ratio of the smallest to the
 /// largest singular value of their rotation blocks before projection.
 ///
 /// A change of basis makes the bottom rows `[0 0 0 1]` as nearly as possible: three combinations of
 /// unit length with the smallest bottom rows, and the multiple of the fourth whose bottom rows are
 /// nearest to one.
-fn motions(vectors: &DMatrix<f64>) -> (Vec<Isometry3<f64>>, f64) {
+fn transformations(vectors: &DMatrix<f64>) -> (Vec<Isometry3<f64>>, f64) {
     let num_nodes = vectors.nrows() / 4;
     let bottom = |node: usize| vectors.fixed_view::<1, 4>(4 * node + 3, 0).transpose();
     let (mut gram, mut sum) = (Matrix4::zeros(), Vector4::zeros());
@@ -265,9 +266,9 @@ fn motions(vectors: &DMatrix<f64>) -> (Vec<Isometry3<f64>>, f64) {
     let block = |node: usize| vectors.fixed_view::<3, 4>(4 * node, 0).into_owned();
     let blocks = (0..num_nodes).map(|node| block(node) * others);
     let (rotations, weakest_block) = nearest_rotations(blocks.collect());
-    let motion = |(node, rotation)| isometry(rotation, &(block(node) * fourth));
-    let motions = rotations.iter().enumerate().map(motion);
-    (motions.collect(), weakest_block)
+    let transformation = |(node, rotation)| isometry(rotation, &(block(node) * fourth));
+    let transformations = rotations.iter().enumerate().map(transformation);
+    (transformations.collect(), weakest_block)
 }
 
 /// `T_i = X_0 X_i⁻¹`, in the unit of the input.
@@ -275,8 +276,8 @@ fn poses_from(node_from_world: Vec<Isometry3<f64>>, length: f64) -> Vec<Isometry
     let Some((reference, others)) = node_from_world.split_first() else {
         return Vec::new();
     };
-    let in_its_frame = others.iter().map(|motion| {
-        let mut pose = reference * motion.inverse();
+    let in_its_frame = others.iter().map(|node_from_world| {
+        let mut pose = reference * node_from_world.inverse();
         pose.translation.vector *= length;
         pose
     });
@@ -316,7 +317,7 @@ mod tests {
 
     #[test]
     fn product_factor_and_dense_matrix_agree() {
-        let mut matrix = MotionMatrix::new(&graph(0.1), &WEIGHTS, 3.0);
+        let mut matrix = NormalMatrix::new(&graph(0.1), &WEIGHTS, 3.0);
         let x = DMatrix::from_fn(20, 2, |row, column| ((row * 2 + column) as f64).sin());
         let dense = matrix.to_dense();
         assert!((matrix.multiply(&x) - &dense * &x).norm() < 1e-11);
@@ -345,7 +346,7 @@ mod tests {
         }
         let rows = b.svd(false, true).v_t.unwrap();
         let expected = rows.rows(16, 4).transpose();
-        let mut matrix = MotionMatrix::new(&graph, &WEIGHTS, 3.0);
+        let mut matrix = NormalMatrix::new(&graph, &WEIGHTS, 3.0);
         let found = smallest_eigenvectors(
             &mut matrix,
             WANTED,
@@ -357,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn any_basis_of_the_space_gives_the_motions() {
+    fn any_basis_of_the_space_gives_the_transformations() {
         let poses: Vec<_> = (0..6)
             .map(|k| {
                 let k = f64::from(k);
@@ -368,8 +369,8 @@ mod tests {
         let entry = |row: usize, column: usize| ((3 * row + column) as f64).cos();
         let basis = Matrix4::from_fn(entry) + Matrix4::from_diagonal_element(0.1);
         // Like the vectors of the search, these are orthonormal.
-        let vectors = (stacked_motions(&poses, 2.0) * basis).qr().q();
-        let (node_from_world, weakest_block) = motions(&vectors);
+        let vectors = (stacked_transformations(&poses, 2.0) * basis).qr().q();
+        let (node_from_world, weakest_block) = transformations(&vectors);
         assert!(weakest_block > 1.0 - 1e-10);
         for (found, pose) in poses_from(node_from_world, 2.0).iter().zip(&poses) {
             let expected = poses[0].inv_mul(pose).to_matrix();

@@ -1,11 +1,12 @@
 use gmpcr_geometry::angular_distance;
 use nalgebra::Rotation3;
 
-use crate::lie_averaging::{Irls, loss_factor};
-use crate::method::Solution;
+use crate::lie_averaging::Irls;
+use crate::loss::RobustLoss;
+use crate::params::SyncParams;
+use crate::solution::Solution;
 use crate::subgraph::{Measurement, Subgraph, relative};
 use crate::triangles::for_each_triangle;
-use crate::{RobustLoss, SyncParams};
 
 /// Loop errors up to which a triangle supports its edges, strict to loose, in units of `σ`.
 const LOOP_THRESHOLDS: [f64; 3] = [0.5, 1.0, 2.0];
@@ -17,13 +18,13 @@ const FILTER_THRESHOLD: f64 = 8.0;
 /// What such an edge weighs nevertheless, to keep the graph connected.
 const FILTERED: f64 = 1e-6;
 
-/// Hierarchical initialisation, edge filtering, ℓ½ refinement.
+/// Hierarchical initialization, edge filtering, ℓ½ refinement.
 pub(crate) fn synchronize(
     graph: &Subgraph,
-    initial_weights: Vec<f64>,
+    initial_weights: &[f64],
     params: &SyncParams,
 ) -> Solution {
-    let start = initial_rotations(graph, &initial_weights, params.residual_scale);
+    let start = initial_rotations(graph, initial_weights, params.residual_scale);
     let mut irls = Irls::new(graph, start, initial_weights, params);
     if params.iterations == 0 {
         irls.solve();
@@ -35,7 +36,9 @@ pub(crate) fn synchronize(
                 1.0
             }
         });
-        irls.reweight(params.iterations - 1, loss_factor(RobustLoss::LHalf));
+        irls.reweight(params.iterations - 1, |residual| {
+            RobustLoss::LHalf.factor(residual)
+        });
     }
     irls.finish()
 }
@@ -50,21 +53,21 @@ fn initial_rotations(graph: &Subgraph, weights: &[f64], scale: f64) -> Vec<Rotat
         .collect();
     let at_node = weighted_edges_of_nodes(graph, weights);
     let mut world_from_node = vec![None; graph.num_nodes];
-    for link in graph.spanning_tree(&priorities) {
-        world_from_node[link.parent].get_or_insert_with(Rotation3::identity);
+    for branch in graph.spanning_tree(&priorities) {
+        world_from_node[branch.parent].get_or_insert_with(Rotation3::identity);
         let vote = |position: usize| {
             let m = &graph.measurements[position];
-            let neighbor = m.i + m.j - link.child;
+            let neighbor = m.i + m.j - branch.child;
             let rotation: &Rotation3<f64> = world_from_node[neighbor].as_ref()?;
             Some((rotation * toward(m, neighbor), weights[position]))
         };
-        let votes: Vec<_> = if ranks[link.measurement] > 0 {
-            vote(link.measurement).into_iter().collect()
+        let votes: Vec<_> = if ranks[branch.measurement] > 0 {
+            vote(branch.measurement).into_iter().collect()
         } else {
-            let edges = at_node[link.child].iter();
+            let edges = at_node[branch.child].iter();
             edges.filter_map(|&position| vote(position)).collect()
         };
-        world_from_node[link.child] = central_vote(&votes);
+        world_from_node[branch.child] = central_vote(&votes);
     }
     let reached = world_from_node.into_iter();
     reached.map(Option::unwrap_or_default).collect()
@@ -172,12 +175,12 @@ mod tests {
     }
 
     #[test]
-    fn the_tree_avoids_wrong_edges_of_high_weight() {
-        // All pairs of five nodes; those of (0, 1) and (2, 4) are wrong. Node 5 hangs on three edges
+    fn the_tree_avoids_outliers_of_high_weight() {
+        // All pairs of five nodes; those of (0, 1) and (2, 4) are outliers. Node 5 has three edges
         // that close no good triangle, of which two agree.
         let pairs = (0..5).flat_map(|j| (0..j).map(move |i| (i, j)));
-        let is_wrong = |pair| pair == (0, 1) || pair == (2, 4);
-        let error = |pair| if is_wrong(pair) { 1.5 } else { 0.0 };
+        let is_outlier = |pair| pair == (0, 1) || pair == (2, 4);
+        let error = |pair| if is_outlier(pair) { 1.5 } else { 0.0 };
         let mut measurements: Vec<_> = pairs
             .map(|(i, j)| measurement(i, j, error((i, j))))
             .collect();

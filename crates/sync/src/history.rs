@@ -1,74 +1,19 @@
-/// How the rotation residuals of the edges become their next weights.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum History {
-    /// The paper's scheme: memory that adapts to the evolution of the overall residual, and
-    /// recovery of edges whose residual falls.
+use crate::params::AdaptiveHistory;
+use crate::reweighting::{Reweighting, weighted_error};
+
+/// How the rotation residuals of the measurements become their next weights.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum History {
+    /// See [`Method::Adaptive`](crate::Method::Adaptive).
     Adaptive(AdaptiveHistory),
-    /// The accumulating scheme of SGHR (Wang et al., CVPR 2023): with `θ` the residual in degrees,
-    /// `w ← w exp(−2 θ (ℓ+1) / (L(L+1)/2))`, multiplied on over all iterations. SGHR has `L = 50`.
+    /// See [`Method::Sghr`](crate::Method::Sghr).
     Sghr,
-    /// Each iteration forgets the last: `w = w⁰ exp(−r)`.
+    /// See [`Method::Memoryless`](crate::Method::Memoryless).
     Memoryless,
 }
 
-impl Default for History {
-    fn default() -> Self {
-        Self::Adaptive(AdaptiveHistory::default())
-    }
-}
-
-/// Parameters of the adaptive history. The default is the paper's setting for 3DMatch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AdaptiveHistory {
-    /// Memory while the solution changes fast, `λ_min`; `0 ≤ λ_min ≤ λ_max`. Default 0.1.
-    pub min_memory: f64,
-    /// Memory of a settled solution, `λ_max < 1`. Default 0.9.
-    pub max_memory: f64,
-    /// Sensitivity of the memory to the relative variation of the overall residual, `κ > 0`.
-    /// Default 3.
-    pub sensitivity: f64,
-    /// Strength of the recovery, `ρ ≥ 0`; 0 switches it off. Default 0.1.
-    pub recovery: f64,
-}
-
-impl AdaptiveHistory {
-    pub(crate) const DEFAULT: Self = Self {
-        min_memory: 0.1,
-        max_memory: 0.9,
-        sensitivity: 3.0,
-        recovery: 0.1,
-    };
-}
-
-impl Default for AdaptiveHistory {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
-/// One weight update: the quantities of the paper's equations.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Update {
-    /// Overall rotation error `R = Σ w r²` under the weights before the update.
-    pub weighted_error: f64,
-    /// Memory coefficient `λ` that was used; `None` in the first iteration and for schemes without
-    /// one.
-    pub memory: Option<f64>,
-    /// The new weights.
-    pub weights: Vec<f64>,
-}
-
-/// The running history of all edges of a graph.
-///
-/// ```
-/// use gmpcr_sync::{EdgeHistory, History};
-///
-/// let mut history = EdgeHistory::new(History::Memoryless, 10, vec![1.0, 1.0]);
-/// let update = history.update(&[0.0, 2.0], 0.1);
-/// assert_eq!(update.weights, [1.0, (-2f64).exp()]);
-/// ```
-#[derive(Clone, Debug)]
-pub struct EdgeHistory {
+/// The running history of all measurements of a graph.
+pub(crate) struct EdgeHistory {
     scheme: History,
     num_iterations: usize,
     initial_weights: Vec<f64>,
@@ -100,15 +45,10 @@ impl EdgeHistory {
         &self.weights
     }
 
-    /// Takes the normalised residuals `r_ij` of one iteration into account. `residual_scale` is the
-    /// `s_r` (radians) that normalised them; only [`History::Sghr`] needs it, to get degrees back.
-    ///
-    /// # Panics
-    /// If there is not one residual per edge.
-    pub fn update(&mut self, residuals: &[f64], residual_scale: f64) -> Update {
-        assert_eq!(residuals.len(), self.weights.len(), "one residual per edge");
-        let squares = self.weights.iter().zip(residuals);
-        let weighted_error = squares.map(|(w, r)| w * r * r).sum();
+    /// Takes the normalized residuals `r_ij` of one iteration into account. `residual_scale` is the
+    /// `s_r` (radians) that normalized them; only [`History::Sghr`] needs it, to get degrees back.
+    pub fn update(&mut self, residuals: &[f64], residual_scale: f64) -> Reweighting {
+        let weighted_error = weighted_error(&self.weights, residuals);
         let memory = match self.scheme {
             History::Adaptive(params) => self.adaptive(residuals, weighted_error, &params),
             History::Sghr => self.accumulate(residuals, residual_scale.to_degrees()),
@@ -117,7 +57,7 @@ impl EdgeHistory {
         self.iteration += 1;
         self.last_residuals = residuals.to_vec();
         self.last_error = weighted_error;
-        Update {
+        Reweighting {
             weighted_error,
             memory,
             weights: self.weights.clone(),
@@ -145,9 +85,9 @@ impl EdgeHistory {
 
     fn accumulate(&mut self, residuals: &[f64], degrees_per_unit: f64) -> Option<f64> {
         let count = self.num_iterations.max(1) as f64;
-        let share = (self.iteration as f64 + 1.0) / (count * (count + 1.0) / 2.0);
+        let fraction = (self.iteration as f64 + 1.0) / (count * (count + 1.0) / 2.0);
         for (weight, residual) in self.weights.iter_mut().zip(residuals) {
-            *weight *= (-2.0 * residual * degrees_per_unit * share).exp();
+            *weight *= (-2.0 * residual * degrees_per_unit * fraction).exp();
         }
         None
     }
@@ -198,7 +138,7 @@ mod tests {
 
         #[test]
         fn the_scale_of_the_weights_does_not_matter(runs in residual_runs(), scale in 0.01..100.0f64) {
-            for scheme in [History::default(), History::Sghr, History::Memoryless] {
+            for scheme in [History::Adaptive(AdaptiveHistory::default()), History::Sghr, History::Memoryless] {
                 let mut one = EdgeHistory::new(scheme, runs.len(), vec![0.3; 5]);
                 let mut other = EdgeHistory::new(scheme, runs.len(), vec![0.3 * scale; 5]);
                 for residuals in &runs {
@@ -246,5 +186,43 @@ mod tests {
             (-2.0 * 3.0f64).exp(),
             max_relative = 1e-12
         );
+    }
+
+    #[test]
+    fn weights_and_errors_are_the_reference_ones() {
+        let golden = include_str!("../tests/golden/sync.json");
+        let golden: serde_json::Value = serde_json::from_str(golden).unwrap();
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        let numbers = |value: &serde_json::Value| -> Vec<f64> {
+            value.as_array().unwrap().iter().map(number).collect()
+        };
+        for case in golden["cases"].as_array().unwrap() {
+            let params = &case["params"];
+            let scheme = match params["history"].as_str().unwrap() {
+                "sghr" => History::Sghr,
+                _ => History::Adaptive(AdaptiveHistory {
+                    min_memory: number(&params["lambda_min"]),
+                    max_memory: number(&params["lambda_max"]),
+                    sensitivity: number(&params["kappa"]),
+                    recovery: number(&params["rho"]),
+                }),
+            };
+            let scale = number(&params["residual_scale_deg"]).to_radians();
+            let trace = case["trace"].as_array().unwrap();
+            let initial_weights = numbers(&case["initial_weights"]);
+            let mut history = EdgeHistory::new(scheme, trace.len(), initial_weights);
+            for expected in trace {
+                let update = history.update(&numbers(&expected["residual"]), scale);
+                let error = number(&expected["weighted_error"]);
+                assert_relative_eq!(update.weighted_error, error, max_relative = 1e-9);
+                for (weight, expected) in update
+                    .weights
+                    .iter()
+                    .zip(numbers(&expected["weights_after"]))
+                {
+                    assert_relative_eq!(*weight, expected, epsilon = 1e-12, max_relative = 1e-9);
+                }
+            }
+        }
     }
 }

@@ -1,22 +1,22 @@
 use nalgebra::Rotation3;
 
 use crate::averaging::RotationAverager;
-use crate::history::EdgeHistory;
-use crate::method::Solution;
+use crate::history::{EdgeHistory, History};
+use crate::params::SyncParams;
+use crate::solution::Solution;
 use crate::subgraph::Subgraph;
-use crate::{History, Iteration, SyncParams};
 
 /// Iteratively reweighted rotation averaging with residual history; rotations and translations are
 /// solved once more under the last weights.
 pub(crate) fn synchronize(
     graph: &Subgraph,
-    initial_weights: Vec<f64>,
+    initial_weights: &[f64],
     history: History,
     params: &SyncParams,
 ) -> Solution {
-    let mut averager = RotationAverager::new(graph, &initial_weights);
-    let mut history = EdgeHistory::new(history, params.iterations, initial_weights);
-    let mut iterations = Vec::new();
+    let mut averager = RotationAverager::new(graph, initial_weights);
+    let mut history = EdgeHistory::new(history, params.iterations, initial_weights.to_vec());
+    let mut reweightings = Vec::new();
     let (mut eigen_residual, mut weakest_block) = (0f64, 1f64);
     let mut average = |weights: &[f64]| -> Vec<Rotation3<f64>> {
         let averaged = averager.solve(weights);
@@ -26,18 +26,13 @@ pub(crate) fn synchronize(
     };
     for _ in 0..params.iterations {
         let rotations = average(history.weights());
-        let mut residuals = graph.rotation_residuals(&rotations);
-        residuals
-            .iter_mut()
-            .for_each(|angle| *angle /= params.residual_scale);
-        let update = history.update(&residuals, params.residual_scale);
-        iterations.push(Iteration { residuals, update });
+        let residuals = graph.normalized_residuals(&rotations, params.residual_scale);
+        reweightings.push(history.update(&residuals, params.residual_scale));
     }
-    let final_weights = history.weights().to_vec();
-    let rotations = average(&final_weights);
+    let rotations = average(history.weights());
     Solution {
         eigen_residual,
         weakest_block,
-        ..Solution::of_rotations(graph, &rotations, final_weights, iterations)
+        ..Solution::of_rotations(graph, &rotations, history.weights(), reweightings)
     }
 }

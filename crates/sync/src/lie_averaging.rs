@@ -1,10 +1,12 @@
 use gmpcr_geometry::isometry;
 use nalgebra::{Rotation3, Vector3};
 
-use crate::method::Solution;
+use crate::loss::RobustLoss;
+use crate::params::SyncParams;
+use crate::reweighting::{Reweighting, weighted_error};
+use crate::solution::Solution;
 use crate::subgraph::{Measurement, Subgraph};
 use crate::translations::{GroundedLaplacian, SolvedTranslations};
-use crate::{Iteration, RobustLoss, SyncParams, Update};
 
 /// Steps of one weighted average.
 const MAX_STEPS: usize = 20;
@@ -13,54 +15,38 @@ const MAX_STEPS: usize = 20;
 const STEP_ACCURACY: f64 = 1e-2;
 /// Mean step (radians) at which a weighted average has converged.
 const STEP_TOLERANCE: f64 = 1e-9;
-/// Mean turn (radians) between two reweightings at which they have converged.
-const TURN_TOLERANCE: f64 = 1e-6;
+/// Mean change of the rotations (radians) between two reweightings at which they have converged.
+const CHANGE_TOLERANCE: f64 = 1e-6;
 /// Reweightings of the ℓ₁ average, which slowly forgets the least squares it starts from.
 const MIN_L1_ITERATIONS: usize = 20;
-/// Residual, in units of `σ`, below which `r` and `√r` are replaced by parabolas.
-const KNEE: f64 = 0.1;
 
 /// `argmin Σ w_ij ρ(r_ij)`, near the ℓ₁ average where the loss is not ℓ₁ itself.
 pub(crate) fn rot_avg(
     graph: &Subgraph,
-    initial_weights: Vec<f64>,
+    initial_weights: &[f64],
     loss: RobustLoss,
     params: &SyncParams,
 ) -> Solution {
-    let start = graph.rotations_along(&graph.spanning_tree(&initial_weights));
+    let start = graph.rotations_along(&graph.spanning_tree(initial_weights));
     let mut irls = Irls::new(graph, start, initial_weights, params);
     irls.solve();
     if params.iterations > 0 {
         let iterations = params.iterations.max(MIN_L1_ITERATIONS);
-        irls.reweight(iterations, loss_factor(RobustLoss::L1));
+        irls.reweight(iterations, |residual| RobustLoss::L1.factor(residual));
     }
     if loss != RobustLoss::L1 {
-        irls.reweight(params.iterations, loss_factor(loss));
+        irls.reweight(params.iterations, |residual| loss.factor(residual));
     }
     irls.finish()
-}
-
-/// The factor of the weight, in [0, 1], for a residual in units of `σ`: `ρ'(r) / r` up to scale.
-pub(crate) fn loss_factor(loss: RobustLoss) -> fn(f64) -> f64 {
-    match loss {
-        RobustLoss::L1 => |residual| power_factor(residual, 1.0),
-        RobustLoss::LHalf => |residual| power_factor(residual, 1.5),
-        RobustLoss::GemanMcClure => |residual| (1.0 + residual * residual).powi(-2),
-    }
-}
-
-/// `r^−p`, one at the knee and below.
-fn power_factor(residual: f64, power: f64) -> f64 {
-    (KNEE / residual.max(KNEE)).powf(power)
 }
 
 /// Iteratively reweighted rotation averaging.
 pub(crate) struct Irls<'a> {
     averager: LieAverager<'a>,
     residual_scale: f64,
-    initial_weights: Vec<f64>,
+    initial_weights: &'a [f64],
     weights: Vec<f64>,
-    iterations: Vec<Iteration>,
+    reweightings: Vec<Reweighting>,
 }
 
 impl<'a> Irls<'a> {
@@ -68,19 +54,20 @@ impl<'a> Irls<'a> {
     pub fn new(
         graph: &'a Subgraph,
         start: Vec<Rotation3<f64>>,
-        initial_weights: Vec<f64>,
+        initial_weights: &'a [f64],
         params: &SyncParams,
     ) -> Self {
         Self {
             averager: LieAverager::new(graph, start),
             residual_scale: params.residual_scale,
-            weights: initial_weights.clone(),
+            weights: initial_weights.to_vec(),
             initial_weights,
-            iterations: Vec::new(),
+            reweightings: Vec::new(),
         }
     }
 
-    /// The weighted average under the current weights. Returns the mean turn.
+    /// The weighted average under the current weights. Returns the mean change of
+    /// the rotations, in radians.
     pub fn solve(&mut self) -> f64 {
         self.averager.solve(&self.weights)
     }
@@ -89,19 +76,15 @@ impl<'a> Irls<'a> {
     pub fn reweight(&mut self, iterations: usize, factor: impl Fn(f64) -> f64) {
         for _ in 0..iterations {
             let residuals = self.residuals();
-            let squares = self.weights.iter().zip(&residuals);
-            let weighted_error = squares.map(|(w, r)| w * r * r).sum();
+            let weighted_error = weighted_error(&self.weights, &residuals);
             let pairs = self.initial_weights.iter().zip(&residuals);
             self.weights = pairs.map(|(w, &r)| w * factor(r)).collect();
-            self.iterations.push(Iteration {
-                residuals,
-                update: Update {
-                    weighted_error,
-                    memory: None,
-                    weights: self.weights.clone(),
-                },
+            self.reweightings.push(Reweighting {
+                weighted_error,
+                memory: None,
+                weights: self.weights.clone(),
             });
-            if self.solve() < TURN_TOLERANCE {
+            if self.solve() < CHANGE_TOLERANCE {
                 return;
             }
         }
@@ -109,10 +92,12 @@ impl<'a> Irls<'a> {
 
     /// Rotation residuals in units of `σ`.
     fn residuals(&self) -> Vec<f64> {
-        let averager = &self.averager;
-        let angles = averager.graph.rotation_residuals(&averager.world_from_node);
-        let normalized = angles.iter().map(|angle| angle / self.residual_scale);
-        normalized.collect()
+        let LieAverager {
+            graph,
+            world_from_node,
+            ..
+        } = &self.averager;
+        graph.normalized_residuals(world_from_node, self.residual_scale)
     }
 
     pub fn finish(self) -> Solution {
@@ -121,7 +106,7 @@ impl<'a> Irls<'a> {
             world_from_node,
             ..
         } = self.averager;
-        Solution::of_rotations(graph, &world_from_node, self.weights, self.iterations)
+        Solution::of_rotations(graph, &world_from_node, &self.weights, self.reweightings)
     }
 }
 
@@ -154,15 +139,15 @@ impl<'a> LieAverager<'a> {
     /// Steps to the weighted average. Returns the sum of the mean steps.
     pub fn solve(&mut self, weights: &[f64]) -> f64 {
         self.system.set_weights(weights);
-        let mut turn = 0.0;
+        let mut change = 0.0;
         for _ in 0..MAX_STEPS {
             let step = self.step();
-            turn += step;
+            change += step;
             if step < STEP_TOLERANCE {
                 break;
             }
         }
-        turn
+        change
     }
 
     /// The positions that go with the rotations, under the weights of the last average.
@@ -197,7 +182,6 @@ impl<'a> LieAverager<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Method;
 
     /// Parallel measurements about one axis.
     fn parallel(angles: &[f64]) -> Subgraph {
@@ -213,25 +197,22 @@ mod tests {
         }
     }
 
-    fn angle_found(graph: &Subgraph, method: Method, iterations: usize) -> f64 {
+    fn angle_found(graph: &Subgraph, loss: RobustLoss, iterations: usize) -> f64 {
         let params = SyncParams {
             iterations,
-            method,
             ..SyncParams::default()
         };
         let weights = vec![0.5; graph.measurements.len()];
-        Solution::new(graph, weights, &params).world_from_node[1]
-            .rotation
-            .angle()
+        let solution = rot_avg(graph, &weights, loss, &params);
+        solution.world_from_node[1].rotation.angle()
     }
 
     #[test]
     fn one_axis_has_the_averages_of_numbers() {
         let graph = parallel(&[0.0, 0.1, 1.0]);
-        let robust = Method::RotAvg(RobustLoss::GemanMcClure);
-        let mean = angle_found(&graph, Method::RotAvg(RobustLoss::L1), 0);
-        let median = angle_found(&graph, Method::RotAvg(RobustLoss::L1), 100);
-        let mode = angle_found(&graph, robust, 100);
+        let mean = angle_found(&graph, RobustLoss::L1, 0);
+        let median = angle_found(&graph, RobustLoss::L1, 100);
+        let mode = angle_found(&graph, RobustLoss::GemanMcClure, 100);
         assert!((mean - 1.1 / 3.0).abs() < 1e-9, "{mean}");
         assert!((median - 0.1).abs() < 1e-2, "{median}");
         assert!((mode - 0.05).abs() < 1e-2, "{mode}");

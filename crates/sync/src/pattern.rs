@@ -2,12 +2,12 @@ use crate::cholesky::SparseCholesky;
 use crate::subgraph::Subgraph;
 
 /// The lower triangle of a symmetric matrix with a block for each node but the first and for each pair of
-/// them that a measurement joins: node 0 is held. Stored column by column with ascending rows, of the
+/// them that a measurement joins: node 0 is fixed. Stored column by column with ascending rows, of the
 /// diagonal blocks the lower half.
 pub(crate) struct GroundedPattern {
     /// Unknowns of a node.
     size: usize,
-    /// For each node but the first, its higher neighbours, ascending.
+    /// For each node but the first, its higher neighbors, ascending.
     above: Vec<Vec<usize>>,
     /// Where the scalar columns start.
     column_starts: Vec<usize>,

@@ -1,7 +1,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use gmpcr_posegraph::{Components, PoseEdge, PoseGraph};
+use gmpcr_posegraph::{PoseEdge, PoseGraph};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// A relative pose between nodes of a [`Subgraph`], in matrix form.
@@ -14,7 +14,8 @@ pub(crate) struct Measurement {
 }
 
 impl Measurement {
-    fn new(edge: &PoseEdge, i: usize, j: usize) -> Self {
+    /// The relative pose of an edge, between the nodes `i` and `j` that its scans are.
+    pub fn new(edge: &PoseEdge, i: usize, j: usize) -> Self {
         Self {
             i,
             j,
@@ -47,49 +48,19 @@ impl Subgraph {
         }
     }
 
-    /// The parts of `graph` in the order of its `components`, and which edges each holds. Edges
-    /// between components, which carry no weight, belong to none.
-    pub fn of_components(graph: &PoseGraph, components: &Components) -> Vec<(Self, Vec<usize>)> {
-        let mut local = vec![0; graph.num_scans()];
-        let members = components.members();
-        for scans in members {
-            for (node, &scan) in scans.iter().enumerate() {
-                local[scan] = node;
-            }
-        }
-        let part = |scans: &Vec<usize>| Self {
-            num_nodes: scans.len(),
-            measurements: Vec::new(),
-        };
-        let mut parts: Vec<_> = members
-            .iter()
-            .map(|scans| (part(scans), Vec::new()))
-            .collect();
-        for (position, edge) in graph.edges().iter().enumerate() {
-            let label = components.label(edge.i);
-            if label == components.label(edge.j) {
-                let (part, positions) = &mut parts[label];
-                part.measurements
-                    .push(Measurement::new(edge, local[edge.i], local[edge.j]));
-                positions.push(position);
-            }
-        }
-        parts
-    }
-
-    /// Angles (radians) between measured and estimated relative rotations,
-    /// `d_R(R_iᵀ R_j, R̂_ij)`, one per measurement.
-    pub fn rotation_residuals(&self, world_from_node: &[Rotation3<f64>]) -> Vec<f64> {
+    /// Angles between measured and estimated relative rotations in units of a scale (radians),
+    /// `d_R(R_iᵀ R_j, R̂_ij) / s_r`, one per measurement.
+    pub fn normalized_residuals(&self, world_from_node: &[Rotation3<f64>], scale: f64) -> Vec<f64> {
         let residual = |m: &Measurement| {
             let i_from_j = world_from_node[m.i].inverse() * world_from_node[m.j];
-            gmpcr_geometry::angular_distance(&i_from_j, &m.rotation)
+            gmpcr_geometry::angular_distance(&i_from_j, &m.rotation) / scale
         };
         self.measurements.iter().map(residual).collect()
     }
 
-    /// A spanning tree of maximal weight (Prim 1957), as links from visited to new nodes in the order
+    /// A spanning tree of maximal weight (Prim 1957), as branches from visited to new nodes in the order
     /// of the visits. Parts out of reach start from their lowest node. Ties: lower measurement.
-    pub fn spanning_tree(&self, weights: &[f64]) -> Vec<TreeLink> {
+    pub fn spanning_tree(&self, weights: &[f64]) -> Vec<Branch> {
         let mut at_node = vec![Vec::new(); self.num_nodes];
         for (position, m) in self.measurements.iter().enumerate() {
             at_node[m.i].push(position);
@@ -114,7 +85,7 @@ impl Subgraph {
                 if !is_visited[child] {
                     is_visited[child] = true;
                     frontier.extend(at_node[child].iter().map(candidate));
-                    tree.push(TreeLink {
+                    tree.push(Branch {
                         parent,
                         child,
                         measurement: position,
@@ -126,16 +97,16 @@ impl Subgraph {
     }
 
     /// Rotations along a tree, its root having the identity. Exact where the measurements are.
-    pub fn rotations_along(&self, tree: &[TreeLink]) -> Vec<Rotation3<f64>> {
+    pub fn rotations_along(&self, tree: &[Branch]) -> Vec<Rotation3<f64>> {
         let mut world_from_node = vec![Rotation3::identity(); self.num_nodes];
-        for link in tree {
-            let m = &self.measurements[link.measurement];
-            let parent_from_child = if m.i == link.parent {
+        for branch in tree {
+            let m = &self.measurements[branch.measurement];
+            let parent_from_child = if m.i == branch.parent {
                 m.rotation
             } else {
                 m.rotation.inverse()
             };
-            world_from_node[link.child] = world_from_node[link.parent] * parent_from_child;
+            world_from_node[branch.child] = world_from_node[branch.parent] * parent_from_child;
         }
         world_from_node
     }
@@ -143,23 +114,23 @@ impl Subgraph {
     /// Positions along a tree under given rotations, its root being the origin.
     pub fn positions_along(
         &self,
-        tree: &[TreeLink],
+        tree: &[Branch],
         world_from_node: &[Rotation3<f64>],
     ) -> Vec<Vector3<f64>> {
         let mut positions = vec![Vector3::zeros(); self.num_nodes];
-        for link in tree {
-            let m = &self.measurements[link.measurement];
+        for branch in tree {
+            let m = &self.measurements[branch.measurement];
             let step = world_from_node[m.i] * m.translation;
-            let direction = if m.i == link.parent { 1.0 } else { -1.0 };
-            positions[link.child] = positions[link.parent] + step * direction;
+            let direction = if m.i == branch.parent { 1.0 } else { -1.0 };
+            positions[branch.child] = positions[branch.parent] + step * direction;
         }
         positions
     }
 }
 
-/// A step of a spanning tree.
+/// An edge of a spanning tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct TreeLink {
+pub(crate) struct Branch {
     pub parent: usize,
     pub child: usize,
     /// The measurement between the two.

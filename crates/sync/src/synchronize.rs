@@ -1,75 +1,30 @@
-use gmpcr_geometry::isometry;
+use std::iter;
+
+use gmpcr_geometry::InvalidParameter;
 use gmpcr_posegraph::{Components, PoseGraph};
 use nalgebra::Isometry3;
 
-use crate::method::Solution;
-use crate::subgraph::Subgraph;
-use crate::{SyncParams, Update};
+use crate::history::History;
+use crate::loss::RobustLoss;
+use crate::method::Method;
+use crate::params::{AdaptiveHistory, SyncParams};
+use crate::parts::{Part, Parts};
+use crate::report::{ComponentReport, EdgeReport, Iteration, Synchronization};
+use crate::residuals::{EdgeResidual, edge_residuals};
+use crate::solution::Solution;
+use crate::{consensus, eigse3, hara, history_aware, lie_averaging};
 
-/// Poses of all scans, with the evidence for them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Synchronization {
-    /// `T_i`, from each scan's frame into that of the lowest scan of its component, which has the
-    /// identity. Poses of different components do not compare.
-    pub world_from_scan: Vec<Isometry3<f64>>,
-    /// Which scans share a frame: the components of the graph of edges of positive weight.
-    pub components: Components,
-    /// One report per edge of the graph, in its order.
-    pub edges: Vec<EdgeReport>,
-    /// One report per component, in the order of `components`.
-    pub reports: Vec<ComponentReport>,
-}
-
-/// What became of an edge.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeReport {
-    /// Weight `w⁰` that the edge came with.
-    pub initial_weight: f64,
-    /// Weight under which the final poses were solved.
-    pub final_weight: f64,
-    /// Angle in radians between the measured and the final relative rotation; `None` where the
-    /// edge, being without weight, joins two components.
-    pub rotation_residual: Option<f64>,
-    /// Distance between the measured and the final relative translation, in the unit of the input.
-    pub translation_residual: Option<f64>,
-}
-
-/// How the synchronisation of one component went.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ComponentReport {
-    /// Positions in the graph of the component's edges: the order of residuals and weights below.
-    pub edges: Vec<usize>,
-    /// One record per reweighting iteration.
-    pub iterations: Vec<Iteration>,
-    /// Largest [`eigen_residual`](crate::AveragedRotations::eigen_residual) of all rotation solves.
-    pub eigen_residual: f64,
-    /// Smallest [`weakest_block`](crate::AveragedRotations::weakest_block) of all rotation solves. Below
-    /// about 1e-6 the reweighting has split the component in all but name.
-    pub weakest_block: f64,
-    /// [Residual](crate::SolvedTranslations::residual) of the final positions; 0 for those that were
-    /// solved together with the rotations.
-    pub position_residual: f64,
-}
-
-/// One reweighting iteration `ℓ`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Iteration {
-    /// Normalised rotation residuals `r_ij⁽ℓ⁾`.
-    pub residuals: Vec<f64>,
-    /// Overall error, memory, and the weights `w_ij⁽ℓ⁺¹⁾` that follow.
-    pub update: Update,
-}
-
-/// Synchronises the relative poses of a graph: iteratively reweighted least squares with residual
-/// history (paper, section "Adaptive History-aware Pose Synchronization").
+/// Synchronizes the relative poses of a graph: iteratively reweighted least squares with residual
+/// history (paper, section "Adaptive History-aware Pose Synchronization"), or another [`Method`].
 ///
-/// Every connected component is synchronised on its own, in the frame of its lowest scan. After the
+/// Every connected component is synchronized on its own, in the frame of its lowest scan. After the
 /// last of the `L` weight updates, rotations and translations are solved once more. Cost per
-/// iteration: one or two sparse factorisations of a `3N × 3N` matrix and ten to thirty block solves, more where
-/// eigenvalues nearly coincide. Residuals and weights of every iteration are returned: 16 bytes per
-/// edge and iteration.
+/// iteration: one or two sparse factorizations of a `3N × 3N` matrix and ten to thirty block solves, more
+/// where eigenvalues nearly coincide. The weights of every iteration are returned: 8 bytes per edge and
+/// iteration.
 ///
-/// `params` must be in range: see [`SyncParams`].
+/// # Errors
+/// [`InvalidParameter`] if `params` are [out of range](SyncParams::validate).
 ///
 /// ```
 /// use gmpcr_posegraph::{PoseEdge, PoseGraph};
@@ -80,69 +35,99 @@ pub struct Iteration {
 /// let edge = |i, j, i_from_j| PoseEdge { i, j, i_from_j, weight: 1.0 };
 /// let mut edges = vec![edge(0, 1, step), edge(1, 2, step), edge(0, 2, step * step)];
 /// edges.push(edge(3, 4, step));
-/// let result = synchronize(&PoseGraph::new(5, edges)?, &SyncParams::default());
+/// let result = synchronize(&PoseGraph::new(5, edges)?, &SyncParams::default())?;
 /// assert_eq!(result.components.members(), [vec![0, 1, 2], vec![3, 4]]);
 /// let error = result.world_from_scan[2].inverse() * step * step;
 /// assert!(error.translation.vector.norm() < 1e-12 && error.rotation.angle() < 1e-12);
-/// # Ok::<(), gmpcr_posegraph::PoseGraphError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn synchronize(graph: &PoseGraph, params: &SyncParams) -> Synchronization {
+pub fn synchronize(
+    graph: &PoseGraph,
+    params: &SyncParams,
+) -> Result<Synchronization, InvalidParameter> {
+    params.validate()?;
     let weighted = graph.edges().iter().filter(|edge| edge.weight > 0.0);
     let components = Components::new(graph.num_scans(), weighted.map(|edge| (edge.i, edge.j)));
-    let mut result = Synchronization {
-        world_from_scan: vec![Isometry3::identity(); graph.num_scans()],
-        edges: graph
-            .edges()
-            .iter()
-            .map(|edge| EdgeReport::unused(edge.weight))
-            .collect(),
-        reports: Vec::with_capacity(components.members().len()),
+    let parts = Parts::new(graph, &components);
+    let solutions: Vec<_> = parts.all.iter().map(|part| solve(part, params)).collect();
+    let pose = |(&label, &node): (&usize, &usize)| solutions[label].world_from_node[node];
+    let places = components.labels().iter().zip(&parts.node_of_scan);
+    let world_from_scan: Vec<_> = places.map(pose).collect();
+    let edges = edge_reports(graph, &parts, &solutions, &world_from_scan);
+    Ok(Synchronization {
+        world_from_scan,
         components,
-    };
-    let parts = Subgraph::of_components(graph, &result.components);
-    for (label, (part, positions)) in parts.into_iter().enumerate() {
-        let initial_weights = positions.iter().map(|&k| graph.edges()[k].weight).collect();
-        let solution = Solution::new(&part, initial_weights, params);
-        for (node, &scan) in result.components.members()[label].iter().enumerate() {
-            result.world_from_scan[scan] = solution.world_from_node[node];
-        }
-        for (measurement, &position) in positions.iter().enumerate() {
-            describe_edge(&part, &solution, measurement, &mut result.edges[position]);
-        }
-        result.reports.push(ComponentReport {
-            edges: positions,
-            iterations: solution.iterations,
-            eigen_residual: solution.eigen_residual,
-            weakest_block: solution.weakest_block,
-            position_residual: solution.position_residual,
-        });
+        edges,
+        reports: solutions.iter().map(component_report).collect(),
+    })
+}
+
+/// Synchronizes one component. Its lowest node has the identity.
+fn solve(part: &Part, params: &SyncParams) -> Solution {
+    let (graph, weights) = (&part.graph, &part.initial_weights[..]);
+    if graph.measurements.is_empty() {
+        return Solution::of_poses(vec![Isometry3::identity(); graph.num_nodes], Vec::new());
     }
-    result
+    let with_history = |history| history_aware::synchronize(graph, weights, history, params);
+    let rot_avg = |loss| lie_averaging::rot_avg(graph, weights, loss, params);
+    match params.method {
+        Method::Adaptive => with_history(History::Adaptive(params.history)),
+        Method::NoRecovery => with_history(History::Adaptive(AdaptiveHistory {
+            recovery: 0.0,
+            ..params.history
+        })),
+        Method::Sghr => with_history(History::Sghr),
+        Method::Memoryless => with_history(History::Memoryless),
+        Method::EigSe3 => eigse3::synchronize(graph, weights),
+        Method::L1 => rot_avg(RobustLoss::L1),
+        Method::L1Irls => rot_avg(RobustLoss::GemanMcClure),
+        Method::RotAvgLHalf => rot_avg(RobustLoss::LHalf),
+        Method::Hara => hara::synchronize(graph, weights, params),
+        Method::Consensus => consensus::synchronize(graph, weights, params),
+    }
 }
 
-fn describe_edge(
-    graph: &Subgraph,
-    solution: &Solution,
-    measurement: usize,
-    report: &mut EdgeReport,
-) {
-    let m = &graph.measurements[measurement];
-    let measured = isometry(&m.rotation, &m.translation);
-    let i_from_j = solution.world_from_node[m.i].inv_mul(&solution.world_from_node[m.j]);
-    let [a, b] = [&measured, &i_from_j].map(|motion| motion.rotation.to_rotation_matrix());
-    let offset = measured.translation.vector - i_from_j.translation.vector;
-    report.final_weight = solution.final_weights[measurement];
-    report.rotation_residual = Some(gmpcr_geometry::angular_distance(&a, &b));
-    report.translation_residual = Some(offset.norm());
+fn edge_reports(
+    graph: &PoseGraph,
+    parts: &Parts,
+    solutions: &[Solution],
+    world_from_scan: &[Isometry3<f64>],
+) -> Vec<EdgeReport> {
+    let residuals = edge_residuals(graph, world_from_scan);
+    let edges = graph.edges().iter().zip(&parts.place_of_edge);
+    edges
+        .zip(residuals)
+        .map(|((edge, place), residual)| {
+            let reweightings = place.iter().flat_map(|&(label, measurement)| {
+                let of_component = solutions[label].reweightings.iter();
+                of_component.map(move |reweighting| reweighting.weights[measurement])
+            });
+            let weights = iter::once(edge.weight).chain(reweightings);
+            edge_report(weights.collect(), place.map(|_| residual))
+        })
+        .collect()
 }
 
-impl EdgeReport {
-    fn unused(initial_weight: f64) -> Self {
-        Self {
-            initial_weight,
-            final_weight: 0.0,
-            rotation_residual: None,
-            translation_residual: None,
-        }
+/// Of the course of the weight of an edge, which is not empty.
+fn edge_report(weights: Vec<f64>, residual: Option<EdgeResidual>) -> EdgeReport {
+    EdgeReport {
+        initial_weight: weights[0],
+        final_weight: weights[weights.len() - 1],
+        rotation_residual: residual.map(|residual| residual.rotation),
+        translation_residual: residual.map(|residual| residual.translation),
+        weights,
+    }
+}
+
+fn component_report(solution: &Solution) -> ComponentReport {
+    let iterations = solution.reweightings.iter().map(|reweighting| Iteration {
+        weighted_error: reweighting.weighted_error,
+        memory: reweighting.memory,
+    });
+    ComponentReport {
+        iterations: iterations.collect(),
+        eigen_residual: solution.eigen_residual,
+        weakest_block: solution.weakest_block,
+        position_residual: solution.position_residual,
     }
 }

@@ -6,21 +6,23 @@ use crate::conjugate_gradients::conjugate_gradients;
 use crate::pattern::GroundedPattern;
 use crate::subgraph::{Measurement, Subgraph, relative};
 
-/// Relative weights are lifted to this where rounding leaves scans that hang on lower ones without a
-/// position.
+/// Relative weights are lifted to this where rounding leaves scans that only lower ones connect without
+/// a position.
 const WEIGHT_FLOOR: f64 = 1e-12;
 /// Residual at which conjugate gradients stop where they solve.
 const TOLERANCE: f64 = 1e-10;
 
 /// Positions of all scans of a connected graph, and how well their normal equations were solved.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct SolvedTranslations {
     /// `t_i`, from the origin of scan 0 to that of the scan, along the axes of scan 0; in the unit of the
     /// input.
     pub positions: Vec<Vector3<f64>>,
-    /// Residual of the normal equations as a share of that at the positions along the spanning tree, in
+    /// Residual of the normal equations as a fraction of that at the positions along the spanning tree, in
     /// the norm of the inverse weighted degrees. Rounding where a factor solved them, 1e-10 where conjugate
-    /// gradients did, and more where they did not get there in 1000 iterations.
+    /// gradients did, and more where 1000 iterations were not enough.
     pub residual: f64,
 }
 
@@ -142,7 +144,7 @@ impl GroundedLaplacian {
         }
     }
 
-    /// The minimising `p` of all nodes for one offset `o` per measurement, where it is iterated to this
+    /// The minimizing `p` of all nodes for one offset `o` per measurement, where it is iterated to this
     /// tolerance. All zero where the system is singular in floating point.
     pub fn solve(&mut self, offsets: &[Vector3<f64>], tolerance: f64) -> Vec<Vector3<f64>> {
         let solution = self.try_solve(offsets, tolerance).or_else(|| {
@@ -170,7 +172,7 @@ impl GroundedLaplacian {
     /// The right side of the normal equations.
     fn right_side(&self, offsets: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let mut right = vec![Vector3::zeros(); self.num_nodes];
-        for ((i, j, weight), offset) in self.links().zip(offsets) {
+        for ((i, j, weight), offset) in self.weighted_ends().zip(offsets) {
             right[i] -= offset * weight;
             right[j] += offset * weight;
         }
@@ -178,7 +180,7 @@ impl GroundedLaplacian {
         right
     }
 
-    /// The residual of a solution as a share of that of zero, in the norm of the inverse diagonal.
+    /// The residual of a solution as a fraction of that of zero, in the norm of the inverse diagonal.
     fn relative_residual(&self, solution: &[Vector3<f64>], offsets: &[Vector3<f64>]) -> f64 {
         let diagonal = self.diagonal();
         let size = |x: &[Vector3<f64>]| -> f64 {
@@ -197,7 +199,7 @@ impl GroundedLaplacian {
     /// The product with the matrix, whose row and column of node 0 are those of the identity.
     fn multiply(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let mut y = vec![Vector3::zeros(); x.len()];
-        for (i, j, weight) in self.links() {
+        for (i, j, weight) in self.weighted_ends() {
             let difference = (x[i] - x[j]) * weight;
             y[i] += difference;
             y[j] -= difference;
@@ -209,7 +211,7 @@ impl GroundedLaplacian {
     /// Its diagonal.
     fn diagonal(&self) -> Vec<f64> {
         let mut degrees = vec![0.0; self.num_nodes];
-        for (i, j, weight) in self.links() {
+        for (i, j, weight) in self.weighted_ends() {
             degrees[i] += weight;
             degrees[j] += weight;
         }
@@ -218,7 +220,7 @@ impl GroundedLaplacian {
     }
 
     /// The nodes of each measurement and its weight.
-    fn links(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+    fn weighted_ends(&self) -> impl Iterator<Item = (usize, usize, f64)> {
         self.ends
             .iter()
             .zip(&self.weights)
@@ -230,7 +232,7 @@ impl GroundedLaplacian {
             return;
         };
         let mut values = vec![0.0; pattern.num_values()];
-        for (i, j, weight) in self.links() {
+        for (i, j, weight) in self.weighted_ends() {
             for node in [i, j] {
                 if node > 0 {
                     values[pattern.start(node, node, 0)] += weight;
@@ -255,8 +257,8 @@ impl Factored {
         let mut rows = DMatrix::from_fn(right.len() - 1, 3, |row, axis| right[row + 1][axis]);
         self.cholesky.solve_in_place(&mut rows);
         let position = |row: usize| rows.fixed_view::<1, 3>(row, 0).transpose();
-        let held = std::iter::once(Vector3::zeros());
-        Some(held.chain((0..rows.nrows()).map(position)).collect())
+        let fixed = std::iter::once(Vector3::zeros());
+        Some(fixed.chain((0..rows.nrows()).map(position)).collect())
     }
 }
 
@@ -304,7 +306,7 @@ mod tests {
 
     #[test]
     fn a_node_whose_weights_have_vanished_is_placed_by_iteration_too() {
-        let link = |(i, j)| Measurement {
+        let measurement = |(i, j)| Measurement {
             i,
             j,
             rotation: Rotation3::identity(),
@@ -312,7 +314,7 @@ mod tests {
         };
         let graph = Subgraph {
             num_nodes: 4,
-            measurements: [(0, 1), (1, 2), (2, 3)].map(link).to_vec(),
+            measurements: [(0, 1), (1, 2), (2, 3)].map(measurement).to_vec(),
         };
         for weights in [[1.0, 1.0, 0.0], [0.0; 3]] {
             let mut system = GroundedLaplacian::new(&graph);
@@ -325,17 +327,17 @@ mod tests {
     }
 
     #[test]
-    fn an_iteration_that_did_not_get_there_says_so() {
-        let link = |j: usize| Measurement {
+    fn an_iteration_that_did_not_converge_has_a_large_residual() {
+        let measurement = |j: usize| Measurement {
             i: j - 1,
             j,
             rotation: Rotation3::identity(),
             translation: Vector3::zeros(),
         };
-        // A chain needs as many iterations as it has links, and there are 1000 of them at most.
+        // A chain needs as many iterations as it has edges, and there are 1000 of them at most.
         let graph = |num_nodes| Subgraph {
             num_nodes,
-            measurements: (1..num_nodes).map(link).collect(),
+            measurements: (1..num_nodes).map(measurement).collect(),
         };
         let residual = |num_nodes: usize| {
             let mut system = GroundedLaplacian::new(&graph(num_nodes));

@@ -20,7 +20,7 @@ pub(crate) fn for_each_triangle(graph: &Subgraph, mut visit: impl FnMut([usize; 
     }
 }
 
-/// For each node the neighbours of higher number, ascending, and the measurement to each.
+/// For each node the neighbors of higher number, ascending, and the measurement to each.
 fn neighbors_above(graph: &Subgraph) -> Vec<Vec<(usize, usize)>> {
     let mut above = vec![Vec::new(); graph.num_nodes];
     for (position, m) in graph.measurements.iter().enumerate() {

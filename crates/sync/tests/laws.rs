@@ -5,19 +5,26 @@
 mod common;
 
 use gmpcr_posegraph::{PoseEdge, PoseGraph};
-use gmpcr_sync::{History, SyncParams, average_rotations, solve_translations, synchronize};
+use gmpcr_sync::{
+    EdgeResidual, Method, SyncParams, Synchronization, average_rotations, edge_residuals,
+    solve_translations,
+};
 use nalgebra::{DMatrix, Isometry3, Rotation3, Vector3};
 use proptest::prelude::*;
 
-use common::{Link, difference, error, measured, renumbered, scaled, scene};
+use common::{WeightedEnds, difference, error, measured, renumbered, scaled, scene};
 
-const SCHEMES: [fn() -> History; 3] = [History::default, || History::Sghr, || History::Memoryless];
+const HISTORIES: [Method; 3] = [Method::Adaptive, Method::Sghr, Method::Memoryless];
 
-fn params(history: History) -> SyncParams {
+fn params(method: Method) -> SyncParams {
     SyncParams {
-        method: history.into(),
+        method,
         ..SyncParams::default()
     }
+}
+
+fn synchronize(graph: &PoseGraph, params: &SyncParams) -> Synchronization {
+    gmpcr_sync::synchronize(graph, params).unwrap()
 }
 
 proptest! {
@@ -25,8 +32,8 @@ proptest! {
 
     #[test]
     fn noise_free_measurements_give_the_exact_poses((poses, edges) in scene()) {
-        for history in SCHEMES {
-            let result = synchronize(&measured(&poses, &edges, 0.0), &params(history()));
+        for method in HISTORIES {
+            let result = synchronize(&measured(&poses, &edges, 0.0), &params(method));
             prop_assert!(error(&result, &poses) < 1e-8, "{}", error(&result, &poses));
             for edge in &result.edges {
                 prop_assert!(edge.rotation_residual.unwrap() < 1e-8);
@@ -68,8 +75,8 @@ proptest! {
         let [a, b] = [&graph, &scaled].map(|graph| synchronize(graph, &SyncParams::default()));
         for (a, b) in a.world_from_scan.iter().zip(&b.world_from_scan) {
             prop_assert!(a.rotation.angle_to(&b.rotation) < 1e-6);
-            let shift = a.translation.vector - b.translation.vector / scale;
-            prop_assert!(shift.norm() < 1e-5, "{shift}");
+            let offset = a.translation.vector - b.translation.vector / scale;
+            prop_assert!(offset.norm() < 1e-5, "{offset}");
         }
     }
 
@@ -100,7 +107,7 @@ proptest! {
     }
 
     #[test]
-    fn the_spectral_rotations_minimise_the_relaxed_objective((poses, edges) in scene()) {
+    fn the_spectral_rotations_minimize_the_relaxed_objective((poses, edges) in scene()) {
         // With small noise the relaxation is close to tight: no rotations nearby are much better.
         let graph = measured(&poses, &edges, 1e-3);
         let weights: Vec<f64> = graph.edges().iter().map(|edge| edge.weight).collect();
@@ -112,13 +119,13 @@ proptest! {
             }).sum()
         };
         let averaged = average_rotations(&graph, &weights);
-        let truth: Vec<_> = poses.iter().map(|pose| pose.rotation.to_rotation_matrix()).collect();
-        prop_assert!(cost(&averaged.world_from_scan) <= cost(&truth) * 1.01 + 1e-12);
+        let ground_truth: Vec<_> = poses.iter().map(|pose| pose.rotation.to_rotation_matrix()).collect();
+        prop_assert!(cost(&averaged.world_from_scan) <= cost(&ground_truth) * 1.01 + 1e-12);
     }
 }
 
 /// A ring with chords: `n` scans, three edges each.
-fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<Link>) {
+fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<WeightedEnds>) {
     let pose = |k: usize| {
         let angle = k as f64 / n as f64 * std::f64::consts::TAU;
         Isometry3::new(
@@ -133,30 +140,29 @@ fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<Link>) {
 #[test]
 fn outliers_lose_their_weight_and_the_rest_keeps_it() {
     let (poses, edges) = ring(40);
-    for history in SCHEMES {
-        let mut wrong = measured(&poses, &edges, 0.0).edges().to_vec();
+    for method in HISTORIES {
+        let mut spoiled = measured(&poses, &edges, 0.0).edges().to_vec();
         for k in [3, 30, 57, 88, 101] {
-            wrong[k].i_from_j *= Isometry3::new(
+            spoiled[k].i_from_j *= Isometry3::new(
                 Vector3::new(3.0, -2.0, 1.0),
                 Vector3::new(1.0, 0.3 * (k % 7) as f64, 0.5),
             );
         }
         let params = SyncParams {
             iterations: 40,
-            ..params(history())
+            ..params(method)
         };
-        let result = synchronize(&PoseGraph::new(40, wrong).unwrap(), &params);
+        let result = synchronize(&PoseGraph::new(40, spoiled).unwrap(), &params);
         assert!(
             error(&result, &poses) < 0.05,
-            "{:?}: {}",
-            history(),
+            "{method}: {}",
             error(&result, &poses)
         );
         for (k, edge) in result.edges.iter().enumerate() {
-            let is_wrong = [3, 30, 57, 88, 101].contains(&k);
+            let is_outlier = [3, 30, 57, 88, 101].contains(&k);
             assert_eq!(
                 edge.final_weight < 0.1,
-                is_wrong,
+                is_outlier,
                 "edge {k}: {}",
                 edge.final_weight
             );
@@ -165,15 +171,15 @@ fn outliers_lose_their_weight_and_the_rest_keeps_it() {
 }
 
 #[test]
-fn components_are_synchronised_each_in_its_own_frame() {
+fn components_are_synchronized_each_in_its_own_frame() {
     let (poses, edges) = ring(12);
     let mut all = measured(&poses, &edges, 0.0).edges().to_vec();
-    let shifted = all.clone().into_iter().map(|edge| PoseEdge {
+    let copied = all.clone().into_iter().map(|edge| PoseEdge {
         i: edge.i + 12,
         j: edge.j + 12,
         ..edge
     });
-    all.extend(shifted.collect::<Vec<_>>());
+    all.extend(copied.collect::<Vec<_>>());
     // An edge without weight joins nothing.
     all.push(PoseEdge {
         i: 0,
@@ -197,6 +203,33 @@ fn components_are_synchronised_each_in_its_own_frame() {
 }
 
 #[test]
+fn reports_hold_the_residuals_under_the_final_poses() {
+    let (poses, edges) = ring(12);
+    let graph = measured(&poses, &edges, 0.1);
+    let result = synchronize(&graph, &SyncParams::default());
+    let residuals = edge_residuals(&graph, &result.world_from_scan);
+    assert!(residuals[0].rotation > 1e-3 && residuals[0].translation > 1e-3);
+    for (edge, residual) in result.edges.iter().zip(&residuals) {
+        assert_eq!(edge.rotation_residual, Some(residual.rotation));
+        assert_eq!(edge.translation_residual, Some(residual.translation));
+    }
+    let exact = edge_residuals(&measured(&poses, &edges, 0.0), &poses);
+    let largest = |residual: &EdgeResidual| residual.rotation.max(residual.translation);
+    assert!(exact.iter().map(largest).all(|residual| residual < 1e-12));
+}
+
+#[test]
+fn parameters_out_of_range_are_refused() {
+    let params = SyncParams {
+        residual_scale: 0.0,
+        ..SyncParams::default()
+    };
+    let graph = PoseGraph::new(0, vec![]).unwrap();
+    let error = gmpcr_sync::synchronize(&graph, &params).unwrap_err();
+    assert_eq!(error.name, "residual_scale");
+}
+
+#[test]
 fn graphs_without_edges_give_identities() {
     for n in 0..3 {
         let result = synchronize(&PoseGraph::new(n, vec![]).unwrap(), &SyncParams::default());
@@ -207,10 +240,10 @@ fn graphs_without_edges_give_identities() {
 
 #[test]
 fn contradictory_and_repeated_edges_give_finite_poses() {
-    let edge = |i, j, turn: f64| PoseEdge {
+    let edge = |i, j, size: f64| PoseEdge {
         i,
         j,
-        i_from_j: Isometry3::new(Vector3::x() * turn, Vector3::z() * turn),
+        i_from_j: Isometry3::new(Vector3::x() * size, Vector3::z() * size),
         weight: 1.0,
     };
     let graph = PoseGraph::new(
@@ -224,11 +257,11 @@ fn contradictory_and_repeated_edges_give_finite_poses() {
         ],
     );
     let graph = graph.unwrap();
-    for history in SCHEMES {
+    for method in HISTORIES {
         for iterations in [0, 1, 10, 200] {
             let params = SyncParams {
                 iterations,
-                ..params(history())
+                ..params(method)
             };
             let result = synchronize(&graph, &params);
             let is_finite = |pose: &Isometry3<f64>| pose.to_matrix().iter().all(|x| x.is_finite());
@@ -259,10 +292,10 @@ fn extreme_weights_and_lengths_change_nothing() {
         for (pose, expected) in result.world_from_scan.iter().zip(&plain.world_from_scan) {
             let angle = pose.rotation.angle_to(&expected.rotation);
             assert!(angle < 1e-8, "weight {weight}, length {length}: {angle}");
-            let shift = pose.translation.vector / length - expected.translation.vector;
+            let offset = pose.translation.vector / length - expected.translation.vector;
             assert!(
-                shift.norm() < 1e-6,
-                "weight {weight}, length {length}: {shift}"
+                offset.norm() < 1e-6,
+                "weight {weight}, length {length}: {offset}"
             );
         }
     }
@@ -311,16 +344,16 @@ fn rotations_under_weights_of_many_decades_are_those_of_the_full_decomposition()
             |k: usize| Isometry3::rotation(Vector3::new(wave(k, 1.1), wave(k, 2.3), 0.5) * 2.0);
         let poses: Vec<_> = (0..n).map(pose).collect();
         let chords = (0..2 * n).map(|k| (k % n, (k * 7 + 3 + seed) % n));
-        let links = (1..n)
+        let ends = (1..n)
             .map(|k| (k - 1, k))
             .chain(chords)
             .filter(|(i, j)| i != j);
         let weight = |k: usize| 10f64.powf(4.0 * wave(k, 5.7) - 4.0);
-        let links: Vec<Link> = links
+        let ends: Vec<WeightedEnds> = ends
             .enumerate()
             .map(|(k, (i, j))| (i, j, weight(k)))
             .collect();
-        let graph = measured(&poses, &links, 0.3);
+        let graph = measured(&poses, &ends, 0.3);
         let weights: Vec<f64> = graph.edges().iter().map(|edge| edge.weight).collect();
         let averaged = average_rotations(&graph, &weights);
         let expected = dense_average(&graph);

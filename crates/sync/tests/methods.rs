@@ -1,4 +1,4 @@
-//! What holds for every method of synchronisation.
+//! What holds for every method of synchronization.
 
 #![allow(clippy::unwrap_used)]
 
@@ -7,11 +7,15 @@ mod common;
 use gmpcr_eval::{Gauge, PoseError, absolute_errors};
 use gmpcr_posegraph::{PoseEdge, PoseGraph};
 use gmpcr_sim::{PoseGraphSimParams, SimulatedPoseGraph, simulate_pose_graph};
-use gmpcr_sync::{Method, SyncParams, Synchronization, synchronize};
+use gmpcr_sync::{AdaptiveHistory, Method, SyncParams, Synchronization};
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
 
-use common::{Link, difference, error, measured, renumbered, scaled, scene};
+use common::{WeightedEnds, difference, error, measured, renumbered, scaled, scene};
+
+fn synchronize(graph: &PoseGraph, params: &SyncParams) -> Synchronization {
+    gmpcr_sync::synchronize(graph, params).unwrap()
+}
 
 fn run(graph: &PoseGraph, method: Method) -> Synchronization {
     let params = SyncParams {
@@ -21,23 +25,22 @@ fn run(graph: &PoseGraph, method: Method) -> Synchronization {
     synchronize(graph, &params)
 }
 
-/// Finite poses, weights in `[0, w⁰]`, and one residual and one weight per edge and iteration.
+/// Finite poses, and weights in `[0, w⁰]` from the initial to the final one.
 fn assert_sound(result: &Synchronization, what: &str) {
     let is_finite = |pose: &Isometry3<f64>| pose.to_matrix().iter().all(|x| x.is_finite());
     assert!(result.world_from_scan.iter().all(is_finite), "{what}");
     for edge in &result.edges {
         let range = 0.0..=edge.initial_weight;
-        assert!(range.contains(&edge.final_weight), "{what}: {edge:?}");
+        assert!(
+            edge.weights.iter().all(|weight| range.contains(weight)),
+            "{what}: {edge:?}"
+        );
+        assert_eq!(edge.weights.first(), Some(&edge.initial_weight), "{what}");
+        assert_eq!(edge.weights.last(), Some(&edge.final_weight), "{what}");
     }
-    for report in &result.reports {
-        for iteration in &report.iterations {
-            assert_eq!(iteration.residuals.len(), report.edges.len(), "{what}");
-            let update = &iteration.update;
-            assert_eq!(update.weights.len(), report.edges.len(), "{what}");
-        }
-        if let Some(last) = report.iterations.last() {
-            let weights = report.edges.iter().map(|&k| result.edges[k].final_weight);
-            assert!(weights.eq(last.update.weights.iter().copied()), "{what}");
+    if let [report] = &result.reports[..] {
+        for edge in &result.edges {
+            assert_eq!(edge.weights.len(), 1 + report.iterations.len(), "{what}");
         }
     }
 }
@@ -46,9 +49,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn noise_free_measurements_give_the_exact_poses((poses, links) in scene()) {
-        let graph = measured(&poses, &links, 0.0);
-        for method in Method::ALL {
+    fn noise_free_measurements_give_the_exact_poses((poses, ends) in scene()) {
+        let graph = measured(&poses, &ends, 0.0);
+        for &method in Method::ALL {
             let result = run(&graph, method);
             assert_sound(&result, method.name());
             let error = error(&result, &poses);
@@ -60,10 +63,10 @@ proptest! {
     }
 
     #[test]
-    fn permuting_the_scans_permutes_the_poses((poses, links) in scene(), seed in any::<u32>()) {
-        let graph = measured(&poses, &links, 0.01);
+    fn permuting_the_scans_permutes_the_poses((poses, ends) in scene(), seed in any::<u32>()) {
+        let graph = measured(&poses, &ends, 0.01);
         let (order, renamed) = renumbered(&graph, seed);
-        for method in Method::ALL {
+        for &method in Method::ALL {
             let [a, b] = [&graph, &renamed].map(|graph| run(graph, method).world_from_scan);
             let new_zero = a[order.iter().position(|&k| k == 0).unwrap()];
             for (k, &renamed) in order.iter().enumerate() {
@@ -74,23 +77,23 @@ proptest! {
     }
 
     #[test]
-    fn the_scale_of_weights_and_lengths_does_not_matter((poses, links) in scene(), scale in 1e-6..1e6f64) {
-        let graph = measured(&poses, &links, 0.02);
+    fn the_scale_of_weights_and_lengths_does_not_matter((poses, ends) in scene(), scale in 1e-6..1e6f64) {
+        let graph = measured(&poses, &ends, 0.02);
         let scaled = scaled(&graph, scale);
-        for method in Method::ALL {
+        for &method in Method::ALL {
             let [a, b] = [&graph, &scaled].map(|graph| run(graph, method).world_from_scan);
             for (a, b) in a.iter().zip(&b) {
                 prop_assert!(a.rotation.angle_to(&b.rotation) < 1e-6, "{}", method.name());
-                let shift = a.translation.vector - b.translation.vector / scale;
-                prop_assert!(shift.norm() < 1e-5, "{}: {shift}", method.name());
+                let offset = a.translation.vector - b.translation.vector / scale;
+                prop_assert!(offset.norm() < 1e-5, "{}: {offset}", method.name());
             }
         }
     }
 }
 
-/// An edge that turns about z and steps along x.
-fn turning(i: usize, j: usize, turn: f64, weight: f64) -> PoseEdge {
-    let i_from_j = Isometry3::new(Vector3::x() * turn, Vector3::z() * turn);
+/// An edge with a rotation about z and a translation along x, both of this size.
+fn edge_of_size(i: usize, j: usize, size: f64, weight: f64) -> PoseEdge {
+    let i_from_j = Isometry3::new(Vector3::x() * size, Vector3::z() * size);
     PoseEdge {
         i,
         j,
@@ -103,58 +106,58 @@ fn turning(i: usize, j: usize, turn: f64, weight: f64) -> PoseEdge {
 fn small_and_contradictory_graphs_give_finite_poses() {
     let pi = std::f64::consts::PI;
     let graphs = [
-        ("one edge", 2, vec![turning(1, 0, 0.7, 2.0)]),
-        ("no motion", 2, vec![turning(0, 1, 0.0, 1.0)]),
+        ("one edge", 2, vec![edge_of_size(1, 0, 0.7, 2.0)]),
+        ("an identity", 2, vec![edge_of_size(0, 1, 0.0, 1.0)]),
         (
             "edges without weight",
             4,
             vec![
-                turning(0, 1, 0.3, 1.0),
-                turning(0, 1, 3.0, 0.0),
-                turning(1, 2, 1.0, 0.0),
-                turning(3, 2, 1.0, 0.5),
+                edge_of_size(0, 1, 0.3, 1.0),
+                edge_of_size(0, 1, 3.0, 0.0),
+                edge_of_size(1, 2, 1.0, 0.0),
+                edge_of_size(3, 2, 1.0, 0.5),
             ],
         ),
         (
             "opposite edges",
             2,
-            vec![turning(0, 1, 0.0, 1.0), turning(0, 1, pi, 1.0)],
+            vec![edge_of_size(0, 1, 0.0, 1.0), edge_of_size(0, 1, pi, 1.0)],
         ),
         (
             "repeated and contradictory edges",
             3,
             vec![
-                turning(0, 1, 0.0, 1.0),
-                turning(0, 1, 3.1, 1.0),
-                turning(1, 0, 1.5, 1.0),
-                turning(1, 2, 0.2, 1.0),
-                turning(1, 2, -3.0, 1.0),
+                edge_of_size(0, 1, 0.0, 1.0),
+                edge_of_size(0, 1, 3.1, 1.0),
+                edge_of_size(1, 0, 1.5, 1.0),
+                edge_of_size(1, 2, 0.2, 1.0),
+                edge_of_size(1, 2, -3.0, 1.0),
             ],
         ),
         (
             "a triangle that does not close",
             3,
             vec![
-                turning(0, 1, pi, 1.0),
-                turning(1, 2, pi, 1.0),
-                turning(2, 0, pi, 1.0),
+                edge_of_size(0, 1, pi, 1.0),
+                edge_of_size(1, 2, pi, 1.0),
+                edge_of_size(2, 0, pi, 1.0),
             ],
         ),
         (
             "extreme weights",
             4,
             vec![
-                turning(0, 1, 0.1, 1e-100),
-                turning(1, 2, 0.2, 1e100),
-                turning(0, 2, -2.0, 1e-100),
-                turning(2, 3, 0.2, 1e-30),
-                turning(3, 1, 1.2, 1.0),
+                edge_of_size(0, 1, 0.1, 1e-100),
+                edge_of_size(1, 2, 0.2, 1e100),
+                edge_of_size(0, 2, -2.0, 1e-100),
+                edge_of_size(2, 3, 0.2, 1e-30),
+                edge_of_size(3, 1, 1.2, 1.0),
             ],
         ),
     ];
     for (name, num_scans, edges) in graphs {
         let graph = PoseGraph::new(num_scans, edges).unwrap();
-        for method in Method::ALL {
+        for &method in Method::ALL {
             for iterations in [0, 1, 10, 100] {
                 let params = SyncParams {
                     iterations,
@@ -170,9 +173,9 @@ fn small_and_contradictory_graphs_give_finite_poses() {
 
 #[test]
 fn extreme_lengths_and_weights_change_nothing() {
-    let (poses, links) = ring(9);
-    let graph = measured(&poses, &links, 0.02);
-    for method in Method::ALL {
+    let (poses, ends) = ring(9);
+    let graph = measured(&poses, &ends, 0.02);
+    for &method in Method::ALL {
         let plain = run(&graph, method);
         for (weight, length) in [(1e-150, 1.0), (1e100, 1.0), (1.0, 1e90), (1.0, 1e-90)] {
             let scaled = graph.edges().iter().map(|edge| {
@@ -184,11 +187,11 @@ fn extreme_lengths_and_weights_change_nothing() {
             let result = run(&scaled, method);
             for (pose, expected) in result.world_from_scan.iter().zip(&plain.world_from_scan) {
                 let angle = pose.rotation.angle_to(&expected.rotation);
-                let shift = pose.translation.vector / length - expected.translation.vector;
+                let offset = pose.translation.vector / length - expected.translation.vector;
                 let what = format!("{}, weight {weight}, length {length}", method.name());
                 assert!(
-                    angle < 1e-7 && shift.norm() < 1e-6,
-                    "{what}: {angle}, {shift}"
+                    angle < 1e-7 && offset.norm() < 1e-6,
+                    "{what}: {angle}, {offset}"
                 );
             }
         }
@@ -201,7 +204,7 @@ fn chains_and_separate_parts_are_exact() {
     let chain = (1..20).map(|k| (k - 1, k, 1.0));
     let other = (21..30).map(|k| (k, k - 1, 0.3));
     let graph = measured(&poses, &chain.chain(other).collect::<Vec<_>>(), 0.0);
-    for method in Method::ALL {
+    for &method in Method::ALL {
         let result = run(&graph, method);
         assert_sound(&result, method.name());
         assert_eq!(result.reports.len(), 2);
@@ -214,21 +217,21 @@ fn chains_and_separate_parts_are_exact() {
 }
 
 /// A ring with chords: `n` scans a step of about 2 apart, three edges each.
-fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<Link>) {
+fn ring(n: usize) -> (Vec<Isometry3<f64>>, Vec<WeightedEnds>) {
     let pose = |k: usize| {
         let angle = k as f64 / n as f64 * std::f64::consts::TAU;
         let position = Vector3::new(angle.cos(), angle.sin(), 0.1 * angle) * (n as f64 / 3.0);
         Isometry3::new(position, Vector3::new(0.3, 0.1, 1.0) * angle)
     };
-    let links = (0..n).flat_map(|i| [1, 2, 5].map(|step| (i, (i + step) % n, 1.0)));
-    ((0..n).map(pose).collect(), links.collect())
+    let ends = (0..n).flat_map(|i| [1, 2, 5].map(|step| (i, (i + step) % n, 1.0)));
+    ((0..n).map(pose).collect(), ends.collect())
 }
 
 #[test]
 fn two_thousand_poses_are_exact() {
-    let (poses, links) = ring(2000);
-    let graph = measured(&poses, &links, 0.0);
-    for method in Method::ALL {
+    let (poses, ends) = ring(2000);
+    let graph = measured(&poses, &ends, 0.0);
+    for &method in Method::ALL {
         let params = SyncParams {
             iterations: 2,
             method,
@@ -263,11 +266,30 @@ fn a_large_graph_joined_at_random_is_exact() {
     }
 }
 
-/// 50 scans, ten edges at each, noise of 2° and 5 cm, and a share of uniformly random edges.
-fn random_graph(outlier_share: f64, seed: u64) -> (Vec<Isometry3<f64>>, PoseGraph) {
+#[test]
+fn no_recovery_is_the_adaptive_history_with_a_recovery_of_zero() {
+    let (_, graph) = random_graph(0.2, 3);
+    let with = |method, recovery| {
+        let params = SyncParams {
+            method,
+            history: AdaptiveHistory {
+                recovery,
+                ..AdaptiveHistory::default()
+            },
+            ..SyncParams::default()
+        };
+        synchronize(&graph, &params).edges
+    };
+    let expected = with(Method::Adaptive, 0.0);
+    assert_eq!(with(Method::NoRecovery, 0.5), expected);
+    assert_ne!(with(Method::Adaptive, 0.5), expected);
+}
+
+/// 50 scans, ten edges at each, noise of 2° and 5 cm, and a ratio of uniformly random edges.
+fn random_graph(outlier_ratio: f64, seed: u64) -> (Vec<Isometry3<f64>>, PoseGraph) {
     simulated(&PoseGraphSimParams {
         seed,
-        outlier_share,
+        outlier_share: outlier_ratio,
         ..PoseGraphSimParams::default()
     })
 }
@@ -306,10 +328,10 @@ fn error_at(outliers: f64, method: Method) -> f64 {
 }
 
 #[test]
-fn robust_methods_bear_random_edges() {
-    for method in Method::ALL
-        .into_iter()
-        .filter(|&method| method != Method::EigSe3)
+fn robust_methods_withstand_random_edges() {
+    for &method in Method::ALL
+        .iter()
+        .filter(|&&method| method != Method::EigSe3)
     {
         let is_consensus = method == Method::Consensus;
         let limits = if is_consensus {

@@ -4,14 +4,14 @@ use std::collections::{BTreeMap, BinaryHeap};
 use gmpcr_posegraph::Components;
 
 use super::loops::LoopSupport;
-use super::poses::{Motion, Noise, Poses};
+use super::poses::{Noise, Poses, Transformation};
 use super::refinement::LeastSquares;
 use crate::subgraph::{Measurement, Subgraph};
 
 /// Proposals that are tried where two parts are joined by more measurements.
 const MAX_PROPOSALS: usize = 32;
 
-/// First poses: parts that triangles hold together are solved by least squares, then joined one by
+/// First poses: parts that triangles connect are solved by least squares, then joined one by
 /// one, each time the two that most of the measurements between them agree on.
 pub(super) fn assemble(
     graph: &Subgraph,
@@ -82,7 +82,7 @@ fn solve_part(
 struct Cluster {
     nodes: Vec<usize>,
     /// Measurements to each other cluster.
-    links: BTreeMap<usize, Vec<usize>>,
+    measurements_to: BTreeMap<usize, Vec<usize>>,
 }
 
 /// A pair of clusters that could be joined, ordered by how many measurements would agree.
@@ -115,14 +115,14 @@ impl<'a> Clusters<'a> {
     ) -> Self {
         let cluster = |nodes: &Vec<usize>| Cluster {
             nodes: nodes.clone(),
-            links: BTreeMap::new(),
+            measurements_to: BTreeMap::new(),
         };
         let mut clusters: Vec<_> = parts.members().iter().map(cluster).collect();
         for (k, m) in graph.measurements.iter().enumerate() {
             let (a, b) = (parts.label(m.i), parts.label(m.j));
             if a != b && weights[k] > 0.0 {
-                clusters[a].links.entry(b).or_default().push(k);
-                clusters[b].links.entry(a).or_default().push(k);
+                clusters[a].measurements_to.entry(b).or_default().push(k);
+                clusters[b].measurements_to.entry(a).or_default().push(k);
             }
         }
         Self {
@@ -138,12 +138,12 @@ impl<'a> Clusters<'a> {
 
     fn join_all(&mut self) {
         for a in 0..self.clusters.len() {
-            let above = self.clusters[a].links.range(a + 1..);
+            let above = self.clusters[a].measurements_to.range(a + 1..);
             let others: Vec<usize> = above.map(|(&b, _)| b).collect();
             others.into_iter().for_each(|b| self.consider(a, b));
         }
         while let Some((_, Reverse((a, b)), num_measurements)) = self.candidates.pop() {
-            if self.clusters[a].links.get(&b).map(Vec::len) == Some(num_measurements) {
+            if self.clusters[a].measurements_to.get(&b).map(Vec::len) == Some(num_measurements) {
                 let [size_a, size_b] = [a, b].map(|cluster| self.clusters[cluster].nodes.len());
                 let (larger, smaller) = if size_a >= size_b { (a, b) } else { (b, a) };
                 self.join(larger, smaller);
@@ -152,7 +152,7 @@ impl<'a> Clusters<'a> {
     }
 
     fn consider(&mut self, a: usize, b: usize) {
-        let measurements = &self.clusters[a].links[&b];
+        let measurements = &self.clusters[a].measurements_to[&b];
         let (votes, _) = self.best_proposal(a, measurements);
         let pair = (a.min(b), a.max(b));
         let candidate = (votes.to_bits(), Reverse(pair), measurements.len());
@@ -161,9 +161,12 @@ impl<'a> Clusters<'a> {
 
     /// Moves the nodes of cluster `b` into cluster `a`.
     fn join(&mut self, a: usize, b: usize) {
-        let Cluster { nodes, mut links } = std::mem::take(&mut self.clusters[b]);
-        let between = links.remove(&a).unwrap_or_default();
-        self.clusters[a].links.remove(&b);
+        let Cluster {
+            nodes,
+            mut measurements_to,
+        } = std::mem::take(&mut self.clusters[b]);
+        let between = measurements_to.remove(&a).unwrap_or_default();
+        self.clusters[a].measurements_to.remove(&b);
         let (_, a_from_b) = self.best_proposal(a, &between);
         for &node in &nodes {
             let pose = a_from_b.then(&self.poses.get(node));
@@ -171,19 +174,19 @@ impl<'a> Clusters<'a> {
             self.labels[node] = a;
         }
         self.clusters[a].nodes.extend(nodes);
-        for (other, measurements) in links {
-            self.clusters[other].links.remove(&b);
+        for (other, measurements) in measurements_to {
+            self.clusters[other].measurements_to.remove(&b);
             for (from, to) in [(a, other), (other, a)] {
-                let link = self.clusters[from].links.entry(to).or_default();
-                link.extend(&measurements);
+                let joined = self.clusters[from].measurements_to.entry(to).or_default();
+                joined.extend(&measurements);
             }
             self.consider(a, other);
         }
     }
 
-    /// The motion between the frames of cluster `a` and another one that most of the measurements
+    /// The transformation between the frames of cluster `a` and another one that most of the measurements
     /// between the two agree on, and the sum of their votes. The heaviest measurements propose.
-    fn best_proposal(&self, a: usize, measurements: &[usize]) -> (f64, Motion) {
+    fn best_proposal(&self, a: usize, measurements: &[usize]) -> (f64, Transformation) {
         let mut proposers = measurements.to_vec();
         proposers.sort_by(|&k, &l| self.weights[l].total_cmp(&self.weights[k]).then(k.cmp(&l)));
         proposers.truncate(MAX_PROPOSALS);
@@ -192,25 +195,27 @@ impl<'a> Clusters<'a> {
             let votes = measurements.iter().map(|&l| self.vote(a, l, &a_from_b));
             (votes.sum::<f64>(), a_from_b)
         });
-        let better =
-            |best: (f64, Motion), next: (f64, Motion)| if next.0 > best.0 { next } else { best };
+        let better = |best: (f64, Transformation), next: (f64, Transformation)| {
+            if next.0 > best.0 { next } else { best }
+        };
         proposals
             .reduce(better)
-            .expect("clusters are linked by measurements")
+            .expect("candidates are joined by measurements")
     }
 
     /// Where a measurement puts the frame of the other cluster.
-    fn proposal(&self, a: usize, measurement: usize) -> Motion {
+    fn proposal(&self, a: usize, measurement: usize) -> Transformation {
         let m = &self.graph.measurements[measurement];
         let (i, j) = (self.poses.get(m.i), self.poses.get(m.j));
         if self.labels[m.i] == a {
-            i.then(&Motion::measured(m)).then(&j.inverse())
+            i.then(&Transformation::measured(m)).then(&j.inverse())
         } else {
-            j.then(&Motion::measured(m).inverse()).then(&i.inverse())
+            j.then(&Transformation::measured(m).inverse())
+                .then(&i.inverse())
         }
     }
 
-    fn vote(&self, a: usize, measurement: usize, a_from_b: &Motion) -> f64 {
+    fn vote(&self, a: usize, measurement: usize, a_from_b: &Transformation) -> f64 {
         let m = &self.graph.measurements[measurement];
         let in_a = |node: usize| {
             let pose = self.poses.get(node);

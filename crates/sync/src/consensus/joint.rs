@@ -4,8 +4,9 @@ use super::normal_equations::NormalEquations;
 use super::poses::{Noise, Poses};
 use super::refinement::record;
 use super::scales::Scales;
+use crate::params::SyncParams;
+use crate::reweighting::Reweighting;
 use crate::subgraph::{Subgraph, relative};
-use crate::{Iteration, SyncParams};
 
 /// Halvings of a step that does not lower the weighted squares.
 const MAX_HALVINGS: i32 = 4;
@@ -15,7 +16,7 @@ const STEP_TOLERANCE: f64 = 1e-6;
 /// Rotations and positions at once, by reweighted Gauss–Newton steps, one for each reweighting. A step
 /// that lowers the weighted squares lowers the Geman–McClure loss too; where none does, this ends.
 ///
-/// The poses stay as they are where nothing tells the noise of the translations, and where the normal
+/// The poses stay as they are where the noise of the translations is unknown, and where the normal
 /// equations would be too large.
 pub(super) fn refine_jointly(
     graph: &Subgraph,
@@ -23,14 +24,14 @@ pub(super) fn refine_jointly(
     params: &SyncParams,
     noise: &Noise,
     poses: &mut Poses,
-) -> Vec<Iteration> {
-    let mut iterations = Vec::new();
+) -> Vec<Reweighting> {
+    let mut reweightings = Vec::new();
     let mut scales = Scales::new(graph, initial_weights, *noise, poses);
     if scales.loss().translation.is_infinite() {
-        return iterations;
+        return reweightings;
     }
     let Some(mut equations) = NormalEquations::new(graph) else {
-        return iterations;
+        return reweightings;
     };
     for _ in 0..params.iterations {
         let loss = scales.loss();
@@ -40,13 +41,13 @@ pub(super) fn refine_jointly(
             break;
         };
         *poses = lower;
-        iterations.push(record(graph, weights, params.residual_scale, poses));
+        reweightings.push(record(graph, weights, params.residual_scale, poses));
         if step < STEP_TOLERANCE {
             break;
         }
         scales.update(poses);
     }
-    iterations
+    reweightings
 }
 
 /// Poses with a lower `Σ w_ij ‖e_ij‖²` and the root mean square step to them.
@@ -62,10 +63,10 @@ fn descend(
     let length = (squares / steps.len() as f64).sqrt();
     let before = weighted_squares(graph, weights, loss, poses);
     (0..=MAX_HALVINGS).find_map(|halvings| {
-        let share = 0.5f64.powi(halvings);
-        let moved = moved(poses, &steps, &loss.times(share));
+        let fraction = 0.5f64.powi(halvings);
+        let moved = moved(poses, &steps, &loss.times(fraction));
         let is_lower = weighted_squares(graph, weights, loss, &moved) < before;
-        is_lower.then_some((moved, share * length))
+        is_lower.then_some((moved, fraction * length))
     })
 }
 
@@ -82,8 +83,8 @@ fn weighted_squares(graph: &Subgraph, weights: &[f64], loss: &Noise, poses: &Pos
 fn moved(poses: &Poses, steps: &[Vector6<f64>], unit: &Noise) -> Poses {
     let mut moved = poses.clone();
     for (node, step) in steps.iter().enumerate() {
-        let turn = Rotation3::new(step.fixed_rows::<3>(0) * unit.rotation);
-        moved.rotations[node] = turn * moved.rotations[node];
+        let rotation = Rotation3::new(step.fixed_rows::<3>(0) * unit.rotation);
+        moved.rotations[node] = rotation * moved.rotations[node];
         moved.positions[node] += step.fixed_rows::<3>(3) * unit.translation;
     }
     moved

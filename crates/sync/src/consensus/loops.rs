@@ -1,7 +1,7 @@
 use gmpcr_geometry::rotation_angle;
 use nalgebra::Vector3;
 
-use super::poses::Motion;
+use super::poses::Transformation;
 use crate::subgraph::{Measurement, Subgraph};
 use crate::triangles::for_each_triangle;
 
@@ -51,7 +51,7 @@ impl LoopSupport {
     }
 }
 
-/// How far the motion around a triangle is from the identity, which exact measurements make it.
+/// How far the composition around a triangle is from the identity, which it is for exact measurements.
 struct Gap {
     angle: f64,
     /// Mean over the three nodes of how far the way around leads away from the node.
@@ -72,12 +72,12 @@ impl Gap {
     }
 }
 
-/// The measured motion into the frame of one of its two nodes.
-fn directed(m: &Measurement, into: usize) -> Motion {
+/// The measured transformation into the frame of one of its two nodes.
+fn directed(m: &Measurement, into: usize) -> Transformation {
     if m.i == into {
-        Motion::measured(m)
+        Transformation::measured(m)
     } else {
-        Motion::measured(m).inverse()
+        Transformation::measured(m).inverse()
     }
 }
 
@@ -93,27 +93,27 @@ mod tests {
 
     use super::*;
 
-    fn measurement(i: usize, j: usize, turn: f64, shift: f64) -> Measurement {
+    fn measurement(i: usize, j: usize, angle: f64, x: f64) -> Measurement {
         Measurement {
             i,
             j,
-            rotation: Rotation3::new(Vector3::z() * turn),
-            translation: Vector3::x() * shift,
+            rotation: Rotation3::new(Vector3::z() * angle),
+            translation: Vector3::x() * x,
         }
     }
 
     #[test]
-    fn right_triangles_confirm_whichever_way_their_edges_point() {
+    fn closed_triangles_confirm_whichever_way_their_edges_point() {
         // All rotations are about z, positions on the x axis of node 0, which is at the pivot.
-        let right = [
+        let inliers = [
             measurement(0, 1, 0.0, 1.0),
             measurement(2, 1, 0.0, -1.0),
             measurement(2, 0, 0.0, -2.0),
         ];
-        let wrong = [measurement(3, 0, 2.0, 0.0), measurement(1, 3, 2.0, 0.0)];
+        let outliers = [measurement(3, 0, 2.0, 0.0), measurement(1, 3, 2.0, 0.0)];
         let graph = Subgraph {
             num_nodes: 4,
-            measurements: right.into_iter().chain(wrong).collect(),
+            measurements: inliers.into_iter().chain(outliers).collect(),
         };
         let support = LoopSupport::new(&graph, &[1.0; 5], 0.1);
         assert_eq!(support.num_loops, [1, 1, 1, 0, 0]);
@@ -126,12 +126,12 @@ mod tests {
 
     #[test]
     fn a_triangle_must_close_in_translation_too() {
-        let triangle = |first: usize, shift: f64| {
+        let triangle = |first: usize, gap: f64| {
             let [a, b, c] = [first, first + 1, first + 2];
             [
                 measurement(a, b, 0.0, 1.0),
                 measurement(b, c, 0.0, 1.0),
-                measurement(a, c, 0.0, 2.0 + shift),
+                measurement(a, c, 0.0, 2.0 + gap),
             ]
         };
         let graph = Subgraph {

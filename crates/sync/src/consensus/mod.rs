@@ -1,4 +1,4 @@
-//! Wrong edges found by what they contradict: see [`Method::Consensus`](crate::Method::Consensus).
+//! Outliers found by what they contradict: see [`Method::Consensus`](crate::Method::Consensus).
 
 mod assembly;
 mod joint;
@@ -9,22 +9,22 @@ mod refinement;
 mod scales;
 mod votes;
 
-use crate::SyncParams;
-use crate::method::Solution;
+use crate::params::SyncParams;
+use crate::solution::Solution;
 use crate::subgraph::{Subgraph, relative};
 use assembly::assemble;
 use joint::refine_jointly;
 use loops::LoopSupport;
 use poses::Noise;
-use refinement::refine;
+use refinement::{record, refine};
 use votes::vote;
 
 pub(crate) fn synchronize(
     graph: &Subgraph,
-    initial_weights: Vec<f64>,
+    initial_weights: &[f64],
     params: &SyncParams,
 ) -> Solution {
-    let weights = relative(&initial_weights);
+    let weights = relative(initial_weights);
     let loops = LoopSupport::new(graph, &weights, params.residual_scale);
     let noise = Noise {
         rotation: params.residual_scale,
@@ -32,19 +32,19 @@ pub(crate) fn synchronize(
     };
     let mut poses = assemble(graph, &weights, &loops, &noise);
     vote(graph, &weights, &noise, &mut poses);
-    let (mut iterations, mut position_residual) =
-        refine(graph, &initial_weights, params, &noise, &mut poses);
-    let joint = refine_jointly(graph, &initial_weights, params, &noise, &mut poses);
+    let (mut reweightings, mut position_residual) =
+        refine(graph, initial_weights, params, &noise, &mut poses);
+    let joint = refine_jointly(graph, initial_weights, params, &noise, &mut poses);
     if !joint.is_empty() {
         position_residual = 0.0;
     }
-    iterations.extend(joint);
-    let final_weights = match iterations.last() {
-        Some(last) => last.update.weights.clone(),
-        None => noise.weights(graph, &initial_weights, &poses),
-    };
+    reweightings.extend(joint);
+    if reweightings.is_empty() {
+        let weights = noise.weights(graph, initial_weights, &poses);
+        reweightings.push(record(graph, weights, params.residual_scale, &poses));
+    }
     Solution {
         position_residual,
-        ..Solution::of_poses(poses.in_frame_of_first(), final_weights, iterations)
+        ..Solution::of_poses(poses.in_frame_of_first(), reweightings)
     }
 }

@@ -1,7 +1,7 @@
 use gmpcr_geometry::isometry;
 use nalgebra::{DMatrix, Matrix6, Vector3, Vector6};
 
-use super::poses::{Motion, Noise, Poses};
+use super::poses::{Noise, Poses, Transformation};
 use crate::cholesky::SparseCholesky;
 use crate::pattern::GroundedPattern;
 use crate::subgraph::{Measurement, Subgraph};
@@ -10,8 +10,8 @@ use crate::subgraph::{Measurement, Subgraph};
 const SIZE: usize = 6;
 /// Numbers in the largest Cholesky factor that is worth its time, about 50 ms for each step.
 const MAX_FACTOR_LEN: usize = 4_000_000;
-/// Weights below this share of the largest count as much in the matrix, so that parts that hang on
-/// them stay determined. That shortens steps but does not move where they end.
+/// Weights below this fraction of the largest count as much in the matrix, so that parts that only
+/// they connect stay determined. That shortens steps but does not move where they end.
 const WEIGHT_FLOOR: f64 = 1e-9;
 
 /// The steps of Gauss and Newton towards poses `argmin Σ w_ij ‖e_ij‖²`, node 0 staying where it is.
@@ -30,8 +30,8 @@ const WEIGHT_FLOOR: f64 = 1e-9;
 /// ```
 ///
 /// This takes the derivative of the logarithm for the identity, which leaves the gradient exact, since
-/// `ω` is the axis of its own turn. The factor of the matrix has a pattern that depends on the graph
-/// only, and is analysed once.
+/// `ω` is the axis of its own rotation. The factor of the matrix has a pattern that depends on the graph
+/// only, and is analyzed once.
 pub(super) struct NormalEquations<'a> {
     graph: &'a Subgraph,
     pattern: GroundedPattern,
@@ -106,18 +106,18 @@ impl<'a> NormalEquations<'a> {
 /// `e` and `J`.
 fn linearized(m: &Measurement, poses: &Poses, noise: &Noise) -> (Vector6<f64>, Matrix6<f64>) {
     let (i, j) = (poses.get(m.i), poses.get(m.j));
-    let predicted = i.then(&Motion::measured(m));
-    let turned = isometry(
+    let predicted = i.then(&Transformation::measured(m));
+    let difference = isometry(
         &(predicted.rotation * j.rotation.inverse()),
         &Vector3::zeros(),
     );
-    let turn = turned.rotation.scaled_axis() / noise.rotation;
-    let shift = (predicted.position - j.position) / noise.translation;
+    let angles = difference.rotation.scaled_axis() / noise.rotation;
+    let offset = (predicted.position - j.position) / noise.translation;
     let lever = (i.rotation * m.translation) * (noise.rotation / noise.translation);
     let mut jacobian = Matrix6::identity();
     let mut below = jacobian.fixed_view_mut::<3, 3>(3, 0);
     below -= lever.cross_matrix();
-    let error = Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z);
+    let error = Vector6::new(angles.x, angles.y, angles.z, offset.x, offset.y, offset.z);
     (error, jacobian)
 }
 
@@ -142,12 +142,12 @@ mod tests {
     }
 
     #[test]
-    fn only_factors_that_fit_are_analysed() {
+    fn only_factors_that_fit_are_analyzed() {
         assert!(NormalEquations::new(&complete(100)).is_some());
         assert!(NormalEquations::new(&complete(600)).is_none());
     }
 
-    /// Without error the linearisation is exact, so that the step shrinks the distance to its square.
+    /// Without error the linearization is exact, so that the step shrinks the distance to its square.
     #[test]
     fn one_step_leads_to_the_poses_of_exact_measurements() {
         let wave = |k: usize, f: f64| {
@@ -162,7 +162,7 @@ mod tests {
         for k in 1..5 {
             let rotation = Rotation3::new(wave(k, 1.1));
             let position = wave(k, 2.3) * 5.0;
-            poses.set(k, &Motion { rotation, position });
+            poses.set(k, &Transformation { rotation, position });
         }
         let ends = [
             (0, 1),
@@ -175,8 +175,8 @@ mod tests {
             (4, 3),
         ];
         let measurement = |(i, j): (usize, usize)| {
-            let motion = poses.get(i).inverse().then(&poses.get(j));
-            let (rotation, translation) = (motion.rotation, motion.position);
+            let i_from_j = poses.get(i).inverse().then(&poses.get(j));
+            let (rotation, translation) = (i_from_j.rotation, i_from_j.position);
             Measurement {
                 i,
                 j,
@@ -201,8 +201,8 @@ mod tests {
         let weights = [1.0, 0.5, 2.0, 0.25, 0.125, 3.0, 1.0, 0.7];
         let steps = equations.step(&weights, &noise, &start).unwrap();
         for (k, step) in steps.iter().enumerate() {
-            let turn = Rotation3::new(step.fixed_rows::<3>(0) * noise.rotation);
-            let moved = turn * start.rotations[k];
+            let rotation = Rotation3::new(step.fixed_rows::<3>(0) * noise.rotation);
+            let moved = rotation * start.rotations[k];
             let position = start.positions[k] + step.fixed_rows::<3>(3) * noise.translation;
             assert!((moved.matrix() - poses.rotations[k].matrix()).norm() < 1e-6);
             assert!((position - poses.positions[k]).norm() < 1e-6);

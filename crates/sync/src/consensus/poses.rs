@@ -3,14 +3,14 @@ use nalgebra::{Isometry3, Rotation3, Vector3};
 
 use crate::subgraph::{Measurement, Subgraph};
 
-/// `x_a = rotation · x_b + position`: a pose or a motion in matrix form.
+/// `x_a = rotation · x_b + position`: a pose or a relative pose in matrix form.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion {
+pub(super) struct Transformation {
     pub rotation: Rotation3<f64>,
     pub position: Vector3<f64>,
 }
 
-impl Motion {
+impl Transformation {
     /// `i_from_j` of a measurement.
     pub fn measured(m: &Measurement) -> Self {
         Self {
@@ -51,14 +51,14 @@ impl Poses {
         }
     }
 
-    pub fn get(&self, node: usize) -> Motion {
-        Motion {
+    pub fn get(&self, node: usize) -> Transformation {
+        Transformation {
             rotation: self.rotations[node],
             position: self.positions[node],
         }
     }
 
-    pub fn set(&mut self, node: usize, pose: &Motion) {
+    pub fn set(&mut self, node: usize, pose: &Transformation) {
         self.rotations[node] = pose.rotation;
         self.positions[node] = pose.position;
     }
@@ -76,13 +76,12 @@ impl Poses {
     }
 }
 
-/// Residuals of right measurements that count as one.
+/// Residuals of inliers that count as one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Noise {
     /// In radians.
     pub rotation: f64,
-    /// In the unit of the translations; infinite where nothing tells it, which leaves the judgement
-    /// to the rotations.
+    /// In the unit of the translations; infinite where it is unknown, so that only rotations count.
     pub translation: f64,
 }
 
@@ -103,11 +102,11 @@ impl Noise {
     /// Angle and offset between a measurement and what two poses say, in units of the noise.
     pub fn residuals(
         &self,
-        world_from_i: &Motion,
+        world_from_i: &Transformation,
         m: &Measurement,
-        world_from_j: &Motion,
+        world_from_j: &Transformation,
     ) -> [f64; 2] {
-        let predicted = world_from_i.then(&Motion::measured(m));
+        let predicted = world_from_i.then(&Transformation::measured(m));
         let angle = angular_distance(&predicted.rotation, &world_from_j.rotation);
         let offset = (predicted.position - world_from_j.position).norm();
         [angle / self.rotation, offset / self.translation]
@@ -115,7 +114,12 @@ impl Noise {
 
     /// How well a measurement agrees with two poses, in [0, 1]: the weight `(1 + r²)⁻²` of the
     /// Geman–McClure loss, with `r² = (angle / σ_R)² + (offset / σ_t)²`.
-    pub fn agreement(&self, world_from_i: &Motion, m: &Measurement, world_from_j: &Motion) -> f64 {
+    pub fn agreement(
+        &self,
+        world_from_i: &Transformation,
+        m: &Measurement,
+        world_from_j: &Transformation,
+    ) -> f64 {
         let [angle, offset] = self.residuals(world_from_i, m, world_from_j);
         (1.0 + angle * angle + offset * offset).powi(-2)
     }

@@ -2,8 +2,9 @@ use nalgebra::Rotation3;
 
 use super::poses::{Noise, Poses};
 use crate::lie_averaging::LieAverager;
+use crate::params::SyncParams;
+use crate::reweighting::{Reweighting, weighted_error};
 use crate::subgraph::Subgraph;
-use crate::{Iteration, SyncParams, Update};
 
 /// Scale of the loss at the start, in units of the noise.
 const START_SCALE: f64 = 4.0;
@@ -18,17 +19,17 @@ pub(super) fn refine(
     params: &SyncParams,
     noise: &Noise,
     poses: &mut Poses,
-) -> (Vec<Iteration>, f64) {
+) -> (Vec<Reweighting>, f64) {
     let mut least_squares = LeastSquares::new(graph, poses.rotations.clone());
-    let (mut iterations, mut position_residual) = (Vec::new(), 0.0);
+    let (mut reweightings, mut position_residual) = (Vec::new(), 0.0);
     for k in 0..params.iterations {
         let progress = 2.0 * k as f64 / params.iterations as f64;
         let noise = noise.times(START_SCALE.powf(1.0 - progress).max(1.0));
         let weights = noise.weights(graph, initial_weights, poses);
         (*poses, position_residual) = least_squares.solve(&weights);
-        iterations.push(record(graph, weights, params.residual_scale, poses));
+        reweightings.push(record(graph, weights, params.residual_scale, poses));
     }
-    (iterations, position_residual)
+    (reweightings, position_residual)
 }
 
 /// What a reweighting and the poses under it have come to.
@@ -37,19 +38,13 @@ pub(super) fn record(
     weights: Vec<f64>,
     residual_scale: f64,
     poses: &Poses,
-) -> Iteration {
-    let residuals = graph.rotation_residuals(&poses.rotations);
-    let residuals: Vec<f64> = residuals
-        .iter()
-        .map(|angle| angle / residual_scale)
-        .collect();
-    let squares = weights.iter().zip(&residuals).map(|(w, r)| w * r * r);
-    let update = Update {
-        weighted_error: squares.sum(),
+) -> Reweighting {
+    let residuals = graph.normalized_residuals(&poses.rotations, residual_scale);
+    Reweighting {
+        weighted_error: weighted_error(&weights, &residuals),
         memory: None,
         weights,
-    };
-    Iteration { residuals, update }
+    }
 }
 
 /// Least squares over rotations, then over the positions that go with them.

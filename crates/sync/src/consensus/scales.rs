@@ -1,17 +1,17 @@
 use super::poses::{Noise, Poses};
 use crate::subgraph::Subgraph;
 
-/// Scale of the loss in standard deviations of the noise. Smaller ones waste what right measurements
-/// say, whose six residuals together reach 2.4 on average; larger ones listen to those nearly right.
+/// Scale of the loss in standard deviations of the noise. Smaller ones waste inliers, whose six residuals
+/// together reach 2.4 on average; larger ones give weight to slight outliers.
 const LOSS_SCALE: f64 = 4.0;
-/// Agreement from which on measurements tell the noise: residuals up to 1.5 times the scale of the loss.
+/// Agreement from which on measurements count as inliers: residuals up to 1.5 times the scale of the loss.
 const MIN_AGREEMENT: f64 = 0.1;
-/// Measurements beyond those that the poses absorb, that it takes to tell the noise.
+/// Measurements beyond those that the poses absorb, that it takes to estimate the noise.
 const MIN_REDUNDANCY: f64 = 10.0;
-/// The noise is at least this share of what it was taken for, in exact measurements.
+/// The noise is at least this fraction of the given one, also in exact measurements.
 const MIN_NOISE: f64 = 1e-3;
 
-/// The noise of right measurements, from their residuals under estimated poses.
+/// The noise of inliers, from their residuals under estimated poses.
 ///
 /// ```text
 /// σ_R² = Σ ‖e_R‖² / 3 (M − A_R),   σ_t² = Σ ‖e_t‖² / 3 (M − A_t)
@@ -105,12 +105,12 @@ mod tests {
     };
 
     /// The scales for parallel measurements between two nodes at the same pose.
-    fn scales(num_measurements: usize, turn: f64, shift: f64) -> Noise {
+    fn scales(num_measurements: usize, angle: f64, offset: f64) -> Noise {
         let measurement = |k: usize| Measurement {
             i: 0,
             j: 1,
-            rotation: Rotation3::new(Vector3::ith(k % 3, turn)),
-            translation: Vector3::ith(k % 3, shift),
+            rotation: Rotation3::new(Vector3::ith(k % 3, angle)),
+            translation: Vector3::ith(k % 3, offset),
         };
         let graph = Subgraph {
             num_nodes: 2,
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn the_residuals_tell_the_scale_where_there_is_redundancy() {
+    fn the_scale_follows_the_residuals_where_there_is_redundancy() {
         let loss = scales(13, 0.02, 0.3);
         let factor = LOSS_SCALE * (13.0f64 / (3.0 * 12.0)).sqrt();
         assert!((loss.rotation - 0.02 * factor).abs() < 1e-12);

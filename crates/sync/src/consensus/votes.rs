@@ -1,4 +1,4 @@
-use super::poses::{Motion, Noise, Poses};
+use super::poses::{Noise, Poses, Transformation};
 use crate::subgraph::{Measurement, Subgraph};
 
 /// Sweeps over the nodes before the votes are given up.
@@ -7,7 +7,7 @@ const MAX_SWEEPS: usize = 10;
 const MARGIN: f64 = 1.000_001;
 
 /// Moves each node to where one of its measurements puts it if the measurements at the node agree
-/// better with that place, until none moves: nodes that a part took along to a wrong place leave it.
+/// better with that place, until none moves: nodes that were misplaced with their part leave it.
 pub(super) fn vote(graph: &Subgraph, weights: &[f64], noise: &Noise, poses: &mut Poses) {
     let mut at_node = vec![Vec::new(); graph.num_nodes];
     for (position, m) in graph.measurements.iter().enumerate() {
@@ -48,7 +48,7 @@ struct Ballot<'a> {
 
 impl Ballot<'_> {
     /// A better place than the node's, if there is one.
-    fn winner(&self) -> Option<Motion> {
+    fn winner(&self) -> Option<Transformation> {
         let to_beat = MARGIN * self.votes(&self.poses.get(self.node));
         let mut best = (to_beat, None);
         for &k in self.measurements {
@@ -61,15 +61,17 @@ impl Ballot<'_> {
         best.1
     }
 
-    fn proposal(&self, m: &Measurement) -> Motion {
+    fn proposal(&self, m: &Measurement) -> Transformation {
         if m.j == self.node {
-            self.poses.get(m.i).then(&Motion::measured(m))
+            self.poses.get(m.i).then(&Transformation::measured(m))
         } else {
-            self.poses.get(m.j).then(&Motion::measured(m).inverse())
+            self.poses
+                .get(m.j)
+                .then(&Transformation::measured(m).inverse())
         }
     }
 
-    fn votes(&self, pose: &Motion) -> f64 {
+    fn votes(&self, pose: &Transformation) -> f64 {
         let vote = |&k: &usize| {
             let m = &self.graph.measurements[k];
             let pose_of = |node: usize| {
@@ -93,7 +95,7 @@ mod tests {
 
     #[test]
     fn a_misplaced_node_returns_to_where_most_of_its_measurements_agree() {
-        let pose = |k: usize| Motion {
+        let pose = |k: usize| Transformation {
             rotation: Rotation3::new(Vector3::new(0.3, k as f64, -0.2)),
             position: Vector3::new(k as f64, (k * k) as f64, 1.0),
         };
@@ -107,11 +109,11 @@ mod tests {
             }
         };
         let mut measurements = vec![between(0, 1), between(1, 2), between(3, 0), between(1, 3)];
-        let wrong = Measurement {
+        let outlier = Measurement {
             translation: Vector3::new(9.0, 9.0, 9.0),
             ..between(2, 3)
         };
-        measurements.push(wrong);
+        measurements.push(outlier);
         let graph = Subgraph {
             num_nodes: 4,
             measurements,
@@ -122,7 +124,9 @@ mod tests {
         };
         let mut poses = Poses::identities(4);
         (0..3).for_each(|node| poses.set(node, &pose(node)));
-        let misled = poses.get(2).then(&Motion::measured(&graph.measurements[4]));
+        let misled = poses
+            .get(2)
+            .then(&Transformation::measured(&graph.measurements[4]));
         poses.set(3, &misled);
         vote(&graph, &[1.0; 5], &noise, &mut poses);
         assert!((poses.positions[3] - pose(3).position).norm() < 1e-12);

@@ -1,22 +1,20 @@
 use nalgebra::DMatrix;
 
+use super::problem::{LOWEST_SHIFT, SemidefiniteMatrix, TOLERANCE};
 use super::ritz::Ritz;
-use super::{SemidefiniteMatrix, TOLERANCE};
 
 /// Largest degree of a polynomial of the inverse: solves between two projections.
 const MAX_SOLVES: usize = 4;
 /// Largest degree of a polynomial of the matrix: products between two projections.
 const MAX_PRODUCTS: usize = 60;
-/// Natural logarithm by which a filter may part wanted vectors from each other, so that they stay
+/// Natural logarithm by which a filter may separate wanted vectors from each other, so that they stay
 /// independent in floating point.
 const MAX_SPREAD: f64 = 23.0;
-/// Distance of a shift from the smallest value, as a share of the spread of the block, that keeps the
+/// Distance of a shift from the smallest value, as a fraction of the spread of the block, that keeps the
 /// system well conditioned.
 const MARGIN: f64 = 0.03;
-/// Solves that take as long as a factorisation.
+/// Solves that take as long as a factorization.
 const SOLVES_PER_FACTOR: f64 = 6.0;
-/// A shift that is below all eigenvalues, in units of the scale.
-pub(super) const LOWEST_SHIFT: f64 = -1e-5;
 
 /// A Chebyshev polynomial `T_d` of a matrix, mapped so that the eigenvalues beyond the block are in
 /// [−1, 1], where `T_d` stays small, and the wanted ones above, where it grows fastest.
@@ -108,7 +106,7 @@ impl Filter {
     }
 
     /// Moves the shift up behind the smallest eigenvalue, where that saves more solves than a
-    /// factorisation costs. That the factorisation succeeds proves that the shift is below.
+    /// factorization costs. That the factorization succeeds proves that the shift is below.
     ///
     /// The smallest eigenvalue is at least `θ₁ − ‖A x₁ − θ₁ x₁‖` once the iteration has found it.
     pub fn move_closer(&mut self, matrix: &mut impl SemidefiniteMatrix, ritz: &Ritz, error: f64) {

@@ -1,6 +1,6 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::{Eigenspace, SemidefiniteMatrix};
+use super::problem::{Eigenspace, SemidefiniteMatrix};
 
 /// The best approximation of the eigenvectors within a subspace.
 pub(super) struct Ritz {
