@@ -3,10 +3,10 @@
 use nalgebra::{Point3, distance_squared};
 
 /// Integer coordinates of a cubic cell.
-pub(crate) type Cell = [i32; 3];
+type Cell = [i32; 3];
 
 /// The cell of edge length `size` that holds `point`.
-pub(crate) fn cell_of(point: &Point3<f64>, size: f64) -> Cell {
+fn cell_of(point: &Point3<f64>, size: f64) -> Cell {
     [point.x, point.y, point.z].map(|x| (x / size).floor() as i32)
 }
 
@@ -26,7 +26,9 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
+    /// A grid over the points; over none of them if the radius is not positive, within which no point lies.
     pub(crate) fn new(points: &[Point3<f64>], radius: f64) -> Self {
+        let points = if radius > 0.0 { points } else { &[] };
         let mut keyed: Vec<(Cell, Point3<f64>)> = points
             .iter()
             .map(|point| (cell_of(point, 2.0 * radius), *point))
@@ -105,24 +107,21 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{Stream, generator, uniform};
+    use proptest::prelude::*;
 
-    #[test]
-    fn the_grid_finds_what_asking_every_point_finds() {
-        let mut rng = generator(6, Stream::World);
-        let mut draw = || Point3::from([(); 3].map(|()| uniform(&mut rng, -1.0, 1.0)));
-        for size in [0, 1, 5, 300] {
-            let points: Vec<Point3<f64>> = (0..size).map(|_| draw()).collect();
+    fn points() -> impl Strategy<Value = Vec<Point3<f64>>> {
+        prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 0..100)
+            .prop_map(|points| points.into_iter().map(Point3::from).collect())
+    }
+
+    proptest! {
+        #[test]
+        fn the_grid_finds_what_asking_every_point_finds(points in points(), others in points()) {
             for radius in [0.01, 0.1, 0.4] {
                 let grid = Grid::new(&points, radius);
-                for query in (0..300)
-                    .map(|_| draw())
-                    .collect::<Vec<_>>()
-                    .iter()
-                    .chain(&points)
-                {
-                    let near = |p: &Point3<f64>| distance_squared(p, query) <= radius * radius;
-                    assert_eq!(grid.reaches(query), points.iter().any(near));
+                for query in others.iter().chain(&points) {
+                    let is_near = |p: &Point3<f64>| distance_squared(p, query) <= radius * radius;
+                    prop_assert_eq!(grid.reaches(query), points.iter().any(is_near));
                 }
             }
         }

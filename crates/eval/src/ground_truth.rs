@@ -6,14 +6,16 @@ use crate::error::Error;
 
 /// A pair of a benchmark's list: an entry of `gt.log` and of `gt.info`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GroundTruthPair {
     /// First scan.
     pub i: usize,
     /// Second scan.
     pub j: usize,
-    /// True motion that maps scan j's coordinates into scan i's frame, in metres.
+    /// Ground truth of the relative pose, which maps scan j's coordinates into scan i's frame, in meters.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub i_from_j: Isometry3<f64>,
-    /// 6×6 matrix Ω, translation first, that turns a small motion into summed squared
+    /// 6×6 matrix Ω, translation first, that takes a small transformation to summed squared
     /// displacements of the overlapping points; see [`information_matrix`](crate::information_matrix).
     pub information: Matrix6<f64>,
 }
