@@ -7,7 +7,7 @@ use super::piece::Piece;
 use super::tabletop::tabletop_items;
 use crate::random::{chance, count, uniform};
 
-/// Thickness of boards, in metres.
+/// Thickness of boards, in meters.
 const BOARD: f64 = 0.025;
 
 /// Uneven shelves full of books and odds and ends.
@@ -76,8 +76,8 @@ fn books(
         } else {
             0.0
         };
-        let centre = [x + thick / 2.0, front / 2.0, high / 2.0];
-        piece.tilted_block(centre, [thick, front, high], Vector3::y() * lean);
+        let center = [x + thick / 2.0, front / 2.0, high / 2.0];
+        piece.tilted_block(center, [thick, front, high], Vector3::y() * lean);
         x += thick + lean * 0.3;
     }
     x
