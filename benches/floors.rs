@@ -20,7 +20,7 @@
 //! | top-K | none: comparisons are not counted, so that only the bytes are left |
 //!
 //! Cliques, features and synchronisation have no row: their work depends on what they find, on the
-//! neighbours of points or on the fill of a factor, and no simple count of it would be a floor.
+//! neighbors of points or on the fill of a factor, and no simple count of it would be a floor.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 

@@ -69,9 +69,9 @@ fn compatibility(criterion: &mut Criterion) {
 fn cliques(criterion: &mut Criterion) {
     const BUDGET: usize = 200_000;
     let size = 60;
-    let random = |share: f64| {
+    let random = |ratio: f64| {
         BitGraph::from_edges(size, |i, j| {
-            scattered(61 * i.min(j) + i.max(j)) < 2.0 * share - 1.0
+            scattered(61 * i.min(j) + i.max(j)) < 2.0 * ratio - 1.0
         })
     };
     let graphs = [
@@ -121,7 +121,7 @@ fn selection(criterion: &mut Criterion) {
     }
 }
 
-/// Degree 8, a fifth of the edges wrong, 10 iterations.
+/// Degree 8, a fifth of the edges outliers, 10 iterations.
 fn synchronization(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("synchronisation");
     group.sample_size(10);
@@ -129,7 +129,7 @@ fn synchronization(criterion: &mut Criterion) {
         let simulated = simulate_pose_graph(&PoseGraphSimParams {
             num_scans,
             degree: 8.0,
-            outlier_share: 0.2,
+            outlier_ratio: 0.2,
             topology: gmpcr_sim::Topology::Geometric,
             ..PoseGraphSimParams::default()
         });

@@ -69,7 +69,7 @@ fn synchronize(num_scans: usize, topology: Topology, methods: &[&str], table: &m
     let simulated = simulate_pose_graph(&PoseGraphSimParams {
         num_scans,
         degree: 8.0,
-        outlier_share: 0.2,
+        outlier_ratio: 0.2,
         topology,
         ..PoseGraphSimParams::default()
     });

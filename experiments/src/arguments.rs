@@ -11,7 +11,7 @@ use crate::experiment::Experiment;
 #[command(version, about)]
 pub struct Arguments {
     /// A scene, or a folder of scenes, in the layout of 3DMatch, SGHR/YOHO, ScanNet or ETH. Without
-    /// it only the synchronisation of simulated pose graphs runs.
+    /// it only the synchronization of simulated pose graphs runs.
     pub folder: Option<PathBuf>,
     /// Folder that has, for each scene, a subfolder of its name with keypoints and descriptors as
     /// .npy. They are used besides FPFH.
@@ -29,17 +29,17 @@ pub struct Arguments {
     /// Do everything again, whatever is there.
     #[arg(long)]
     pub fresh: bool,
-    /// Runs of each experiment that depends on luck: the first from the paper's sampling start, the
+    /// Runs of each experiment that depends on the sampling start: the first from the paper's sampling start, the
     /// others from seeded random ones.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub runs: u32,
     /// Seed of sampling starts, subsets of views and simulated pose graphs.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Voxel size for FPFH in metres; tolerances are two voxels.
+    /// Voxel size for FPFH in meters; tolerances are two voxels.
     #[arg(long, default_value_t = 0.05, value_parser = positive, allow_hyphen_values = true)]
     pub voxel: f64,
-    /// Pose graphs (g2o) to synchronise besides the simulated ones; their vertices are the truth.
+    /// Pose graphs (g2o) to synchronize besides the simulated ones; their vertices are the ground truth.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub graphs: Vec<PathBuf>,
 }
@@ -68,7 +68,7 @@ impl Arguments {
     /// What the records depend on, in words: records of other settings are not reused.
     pub fn settings(&self) -> String {
         format!(
-            "gmpcr-eval {}, {} runs, seed {}, voxel {}",
+            "gmpcr-experiments {}, {} runs, seed {}, voxel {}",
             env!("CARGO_PKG_VERSION"),
             self.runs,
             self.seed,

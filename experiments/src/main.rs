@@ -1,9 +1,9 @@
 //! The paper's experiments on the scenes of a folder.
 //!
 //! ```text
-//! cargo run --release -p gmpcr-eval --bin experiments -- FOLDER                     # FPFH
-//! cargo run --release -p gmpcr-eval --bin experiments -- FOLDER --descriptors DIR   # learned ones too
-//! cargo run --release -p gmpcr-eval --bin experiments -- --only sync                # needs no data
+//! cargo run --release -p gmpcr-experiments -- FOLDER                     # FPFH
+//! cargo run --release -p gmpcr-experiments -- FOLDER --descriptors DIR   # learned ones too
+//! cargo run --release -p gmpcr-experiments -- --only sync                # needs no data
 //! ```
 //!
 //! Prints tables in the paper's shape beside the paper's own figures and writes them, the records
@@ -12,7 +12,9 @@
 
 mod arguments;
 mod experiment;
+mod failure;
 mod figures;
+mod methods;
 mod progress;
 mod records;
 mod reference;
@@ -20,7 +22,6 @@ mod registering;
 mod scene;
 mod table;
 
-use std::error::Error;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -29,6 +30,7 @@ use gmpcr_io::write_text;
 
 use arguments::Arguments;
 use experiment::{Experiment, synchronization};
+use failure::Failure;
 use progress::Progress;
 use records::{Store, Unit};
 use scene::{SceneSource, Sources};
@@ -52,55 +54,57 @@ fn main() -> ExitCode {
 }
 
 /// Runs what is not in the store yet, then reports. Returns what failed.
-fn run(arguments: &Arguments) -> Result<Vec<String>, Box<dyn Error>> {
+fn run(arguments: &Arguments) -> Result<Vec<String>, Failure> {
     let start = Instant::now();
     arguments.check()?;
     let mut store = Store::open(&arguments.out, &arguments.settings(), arguments.fresh)?;
-    let Sources {
-        scenes,
-        mut failures,
-        notes,
-    } = Sources::find(arguments)?;
-    let experiments = arguments.experiments();
-    let of_scenes: Vec<_> = experiments.iter().filter(|e| e.needs_scenes()).collect();
-
-    let mut num_units = scenes.len() * of_scenes.len();
-    if experiments.contains(&Experiment::Sync) {
-        num_units += synchronization::num_units(arguments);
-    }
-    let progress = Progress::new(num_units);
-    for scene in &scenes {
-        run_scene(
-            scene,
-            &of_scenes,
-            arguments,
-            &mut store,
-            &progress,
-            &mut failures,
-        );
-    }
-    if experiments.contains(&Experiment::Sync) {
-        synchronization::run_all(arguments, &mut store, &progress, &mut failures);
-    }
-    progress.finish();
-
-    let mut text = String::new();
-    for experiment in experiments {
-        let outcome = experiment.report(&store, &arguments.out, &mut text);
-        failures.extend(outcome.err().map(|error| error.to_string()));
-    }
-    for note in &notes {
-        text.push_str(&format!("\n{note}\n"));
-    }
-    println!("{text}");
-    let outcome = write_text(arguments.out.join("tables.md"), &text);
-    failures.extend(outcome.err().map(|error| error.to_string()));
+    let mut sources = Sources::find(arguments)?;
+    run_pending(arguments, &mut sources, &mut store);
+    let mut failures = sources.failures;
+    failures.extend(report(arguments, &store, &sources.notes));
     println!(
         "{:.1} s; tables, records and figures are in {}",
         start.elapsed().as_secs_f64(),
         arguments.out.display()
     );
     Ok(failures)
+}
+
+/// Runs what is not in the store yet; what fails is added to the failures of the sources.
+fn run_pending(arguments: &Arguments, sources: &mut Sources, store: &mut Store) {
+    let experiments = arguments.experiments();
+    let of_scenes: Vec<_> = experiments.iter().filter(|e| e.needs_scenes()).collect();
+    let Sources {
+        scenes, failures, ..
+    } = sources;
+    let mut num_units = scenes.len() * of_scenes.len();
+    if experiments.contains(&Experiment::Sync) {
+        num_units += synchronization::num_units(arguments);
+    }
+    let progress = Progress::new(num_units);
+    for scene in scenes {
+        run_scene(scene, &of_scenes, arguments, store, &progress, failures);
+    }
+    if experiments.contains(&Experiment::Sync) {
+        synchronization::run_all(arguments, store, &progress, failures);
+    }
+    progress.finish();
+}
+
+/// Prints and writes the tables, and draws the figures. Returns what failed.
+fn report(arguments: &Arguments, store: &Store, notes: &[String]) -> Vec<String> {
+    let (mut text, mut failures) = (String::new(), Vec::new());
+    for experiment in arguments.experiments() {
+        let outcome = experiment.report(store, &arguments.out, &mut text);
+        failures.extend(outcome.err().map(|error| error.to_string()));
+    }
+    for note in notes {
+        text.push_str(&format!("\n{note}\n"));
+    }
+    println!("{text}");
+    let outcome = write_text(arguments.out.join("tables.md"), &text);
+    failures.extend(outcome.err().map(|error| error.to_string()));
+    failures
 }
 
 /// Runs the experiments on one scene that are not in the store yet.

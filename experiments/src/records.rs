@@ -1,8 +1,10 @@
 //! The figures that experiments yield, kept in files so that a stopped run can go on.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{error, fs};
+
+use crate::failure::Failure;
 
 use gmpcr_eval::Spread;
 use gmpcr_io::write_text;
@@ -42,7 +44,7 @@ pub struct Unit<'a> {
     pub experiment: &'a str,
     pub descriptors: &'a str,
     pub scene: &'a str,
-    /// What the files of the scene are recognised by.
+    /// What the files of the scene are recognized by.
     pub input: &'a str,
 }
 
@@ -73,7 +75,7 @@ pub struct Store {
 
 impl Store {
     /// Opens a folder, which is made if it is not there.
-    pub fn open(out: &Path, settings: &str, fresh: bool) -> Result<Self, Box<dyn error::Error>> {
+    pub fn open(out: &Path, settings: &str, fresh: bool) -> Result<Self, Failure> {
         let folder = out.join("records");
         make_folder(&folder)?;
         Ok(Self {
@@ -114,7 +116,7 @@ impl Store {
     }
 
     /// Takes the records of a unit and writes them to its file.
-    pub fn add(&mut self, unit: &Unit, records: Vec<Record>) -> Result<(), Box<dyn error::Error>> {
+    pub fn add(&mut self, unit: &Unit, records: Vec<Record>) -> Result<(), Failure> {
         let file = self.file(unit);
         file.parent().map_or(Ok(()), make_folder)?;
         let mut writer = csv::Writer::from_writer(Vec::new());
@@ -315,19 +317,19 @@ mod tests {
         let mut store = Store::open(folder.path(), "", false).unwrap();
         for (scene, registered, pairs) in [("a", 1.0, 1.0), ("b", 1.0, 3.0)] {
             let figure = |metric, value| Record::new("c", 0, metric, value);
-            let share = figure("share", registered / pairs);
+            let ratio = figure("ratio", registered / pairs);
             let records = vec![
-                share,
+                ratio,
                 figure("registered", registered),
                 figure("pairs", pairs),
             ];
             store.add(&Unit { scene, ..UNIT }, records).unwrap();
         }
         let selection = store.select("recall", "fpfh");
-        let mean = selection.mean_spread("c", "share").unwrap().mean;
+        let mean = selection.mean_spread("c", "ratio").unwrap().mean;
         assert!((mean - 2.0 / 3.0).abs() < 1e-12);
         let pooled = selection.ratio_spread("c", "registered", "pairs").unwrap();
         assert_eq!((pooled.mean, pooled.count), (0.5, 1));
-        assert!(selection.mean_spread("d", "share").is_none());
+        assert!(selection.mean_spread("d", "ratio").is_none());
     }
 }

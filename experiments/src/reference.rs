@@ -3,7 +3,7 @@
 //! The paper's tables stand in `reference/*.md` as they are printed. Other systems stand in
 //! `reference/systems.csv`: measured on graphs of the same kind (another random generator, other
 //! seeds), Open3D 0.20, GTSAM 4.3, COLMAP 4.2 (GLOMAP's rotation averaging), SE-Sync of 2022-07,
-//! SGHR's synchroniser; mean / median over the scans, three seeds; CPU times.
+//! SGHR's synchronization; mean / median over the scans, three seeds; CPU times.
 
 use std::collections::BTreeMap;
 

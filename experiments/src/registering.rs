@@ -7,7 +7,7 @@ use gmpcr::correspondence::{farthest_point_sampling, farthest_point_sampling_fro
 use gmpcr::posegraph::Components;
 use gmpcr::{Params, Registration, Scan, register};
 use gmpcr_eval::{
-    PairErrors, RotationSign, SCANNET_DEGREES, SCANNET_METRES, WorldPoses, pairwise_recall,
+    PairErrors, Protocol, SCANNET_DEGREES, SCANNET_METERS, WorldPoses, registration_recall,
 };
 use nalgebra::Isometry3;
 use rand::{RngExt, SeedableRng};
@@ -84,8 +84,8 @@ pub struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// Recalls (share, number registered, number of pairs, in both signs), and pairs within 15° and
-    /// 0.3 m with mean and median errors.
+    /// Recalls (ratio, number registered, number of pairs), and pairs within 15° and 0.3 m with mean and
+    /// median errors.
     pub fn judge(&self, poses: &WorldPoses) -> Result<Vec<Record>, gmpcr_eval::Error> {
         self.judge_pairs(poses, |_, _| true)
     }
@@ -106,10 +106,9 @@ impl Judge<'_> {
             };
             let errors = PairErrors::of_pairs(&wanted.pairs, poses)?;
             self.errors(&wanted.name, &errors, &mut records);
-            if wanted.has_information {
-                self.recalls(&wanted, poses, &mut records)?;
-            } else {
-                self.recalls_by_errors(&wanted.name, &errors, &mut records);
+            match wanted.protocol {
+                Some(protocol) => self.recall(&wanted, protocol, poses, &mut records)?,
+                None => self.recall_by_errors(&wanted.name, &errors, &mut records),
             }
         }
         Ok(records)
@@ -120,48 +119,43 @@ impl Judge<'_> {
     }
 
     /// Where a list has no information matrices, pairs within 15° and 0.3 m are registered.
-    fn recalls_by_errors(&self, name: &str, errors: &PairErrors, records: &mut Vec<Record>) {
-        if let Some(share) = errors.recall() {
+    fn recall_by_errors(&self, name: &str, errors: &PairErrors, records: &mut Vec<Record>) {
+        if let Some(ratio) = errors.recall() {
             let total = errors.pairs.len() as f64;
-            records.push(self.record(name.to_owned(), share));
-            records.push(self.record(format!("{name} registered"), share * total));
-            records.push(self.record(format!("{name} pairs"), total));
+            records.extend(self.recall_records(name, ratio, ratio * total, total));
         }
     }
 
-    fn recalls(
+    fn recall(
         &self,
         list: &MatchList,
+        protocol: Protocol,
         poses: &WorldPoses,
         records: &mut Vec<Record>,
     ) -> Result<(), gmpcr_eval::Error> {
         let name = &list.name;
-        let signs = [
-            (RotationSign::Benchmark, ""),
-            (RotationSign::Conjugate, " conjugate"),
-        ];
-        for (sign, suffix) in signs {
-            let estimate = |i, j| poses.i_from_j(i, j);
-            let num_scans = poses.num_scans();
-            let recall = pairwise_recall(&list.pairs, num_scans, list.protocol, sign, estimate)?;
-            if let Some(share) = recall.share() {
-                records.push(self.record(format!("{name}{suffix}"), share));
-                let (registered, total) = (recall.registered as f64, recall.total as f64);
-                records.push(self.record(format!("{name}{suffix} registered"), registered));
-                records.push(self.record(format!("{name}{suffix} pairs"), total));
-            }
-            if sign == RotationSign::Benchmark {
-                for (i, j) in recall.unjudgeable {
-                    records.push(self.record(format!("{name} unjudgeable pair {i} {j}"), 1.0));
-                }
-            }
+        let recall = registration_recall(&list.pairs, poses, protocol)?;
+        if let Some(ratio) = recall.ratio() {
+            let (registered, total) = (recall.registered as f64, recall.total as f64);
+            records.extend(self.recall_records(name, ratio, registered, total));
+        }
+        for (i, j) in recall.unjudgeable {
+            records.push(self.record(format!("{name} unjudgeable pair {i} {j}"), 1.0));
         }
         Ok(())
     }
 
+    fn recall_records(&self, name: &str, ratio: f64, registered: f64, total: f64) -> [Record; 3] {
+        [
+            self.record(name.to_owned(), ratio),
+            self.record(format!("{name} registered"), registered),
+            self.record(format!("{name} pairs"), total),
+        ]
+    }
+
     fn errors(&self, name: &str, errors: &PairErrors, records: &mut Vec<Record>) {
-        if let Some(share) = errors.recall() {
-            records.push(self.record(format!("{name} within 15° and 0.3 m"), share));
+        if let Some(ratio) = errors.recall() {
+            records.push(self.record(format!("{name} within 15° and 0.3 m"), ratio));
             let missing = errors.num_missing() as f64 / errors.pairs.len() as f64;
             records.push(self.record(format!("{name} without estimate"), missing));
         }
@@ -169,15 +163,15 @@ impl Judge<'_> {
             if let Some(error) = error {
                 let degrees = error.rotation_degrees();
                 records.push(self.record(format!("{name} {statistic} degrees"), degrees));
-                records.push(self.record(format!("{name} {statistic} metres"), error.translation));
+                records.push(self.record(format!("{name} {statistic} meters"), error.translation));
             }
         }
-        if let Some(shares) = errors.scannet_shares() {
-            for (limit, share) in SCANNET_DEGREES.iter().zip(shares.rotation) {
-                records.push(self.record(format!("{name} under {limit}°"), share));
+        if let Some(ratios) = errors.scannet_ratios() {
+            for (limit, ratio) in SCANNET_DEGREES.iter().zip(ratios.rotation) {
+                records.push(self.record(format!("{name} under {limit}°"), ratio));
             }
-            for (limit, share) in SCANNET_METRES.iter().zip(shares.translation) {
-                records.push(self.record(format!("{name} under {limit} m"), share));
+            for (limit, ratio) in SCANNET_METERS.iter().zip(ratios.translation) {
+                records.push(self.record(format!("{name} under {limit} m"), ratio));
             }
         }
     }

@@ -1,6 +1,5 @@
-//! Scenes of a folder: described scans and what is known of their poses.
+//! Scenes of a folder: scans with descriptors, and what is known of their poses.
 
-use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, UNIX_EPOCH};
@@ -12,12 +11,13 @@ use gmpcr_io::{DescriptorFiles, Layout, PairList, read_points};
 use nalgebra::{DMatrix, Isometry3, Matrix6, Point3};
 
 use crate::arguments::Arguments;
+use crate::failure::Failure;
 use crate::registering::Registrations;
 
 /// Least extent of a typical scan in voxels that FPFH makes sense for.
 const MIN_VOXELS_PER_SCAN: f64 = 20.0;
 
-/// What describes the points of a scene.
+/// Where the descriptors of a scene come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DescriptorKind {
     /// Computed from the clouds.
@@ -40,7 +40,7 @@ pub struct SceneSource {
     files: gmpcr_io::Scene,
     layout: Option<Layout>,
     pub descriptors: DescriptorKind,
-    /// What the files are recognised by.
+    /// What the files are recognized by.
     input: String,
 }
 
@@ -57,7 +57,7 @@ pub struct Scene {
     pub description: Duration,
     /// Names the random numbers of this scene.
     pub seed: u64,
-    /// Registrations that several experiments share.
+    /// Registrations that several experiments use.
     pub registrations: Registrations,
 }
 
@@ -71,11 +71,9 @@ impl Scene {
 /// One list of pairs to judge.
 pub struct MatchList {
     pub name: String,
-    pub protocol: Protocol,
+    /// What judges recall; none where pairs within 15° and 0.3 m count as registered.
+    pub protocol: Option<Protocol>,
     pub pairs: Vec<GroundTruthPair>,
-    /// Whether the list comes with information matrices, by which recall judges; otherwise pairs
-    /// within 15° and 0.3 m count as registered.
-    pub has_information: bool,
 }
 
 /// What a folder offers.
@@ -91,7 +89,7 @@ pub struct Sources {
 
 impl Sources {
     /// The scenes of the folder that was asked for.
-    pub fn find(arguments: &Arguments) -> Result<Self, Box<dyn Error>> {
+    pub fn find(arguments: &Arguments) -> Result<Self, Failure> {
         let mut sources = Self::default();
         let Some(root) = &arguments.folder else {
             return Ok(sources);
@@ -117,14 +115,14 @@ impl Sources {
             Ok(read) => read,
             Err(error) => return self.failures.push(format!("{name}: {error}")),
         };
-        let truth = &files.truth;
-        if truth.match_lists.is_empty() && truth.world_from_scan.is_none() {
+        let known = &files.truth;
+        if known.match_lists.is_empty() && known.world_from_scan.is_none() {
             self.notes.push(format!(
                 "{name}: neither pairs nor poses are known, so nothing is judged"
             ));
         }
         let num_pairs = files.scans.len() * files.scans.len().saturating_sub(1) / 2;
-        if let Some(listed) = truth.overlaps.as_ref().map(Vec::len)
+        if let Some(listed) = known.overlaps.as_ref().map(Vec::len)
             && listed < num_pairs
         {
             let unlisted = num_pairs - listed;
@@ -155,7 +153,7 @@ impl Sources {
         mut files: gmpcr_io::Scene,
         layout: Option<Layout>,
         arguments: &Arguments,
-    ) -> Result<(), Box<dyn Error>> {
+    ) -> Result<(), Failure> {
         let mut folders = vec![folder.to_owned()];
         if let Some(root) = &arguments.descriptors {
             let separate = root.join(&files.name);
@@ -224,7 +222,7 @@ impl SceneSource {
     }
 
     /// Reads, and where need be computes, points and descriptors.
-    pub fn load(&self, arguments: &Arguments) -> Result<Scene, Box<dyn Error>> {
+    pub fn load(&self, arguments: &Arguments) -> Result<Scene, Failure> {
         let start = Instant::now();
         let (scans, description) = match self.descriptors {
             DescriptorKind::Learned => (self.learned_scans()?, Duration::ZERO),
@@ -248,7 +246,7 @@ impl SceneSource {
         })
     }
 
-    /// The paper's parameters for data of this layout, at the working voxel.
+    /// The paper's parameters for data of this layout, at the voxel size.
     fn presets(&self, arguments: &Arguments) -> Vec<(&'static str, Params)> {
         let presets = match self.layout {
             Some(Layout::ScanNet) => vec![("ScanNet preset", Params::scannet())],
@@ -265,14 +263,14 @@ impl SceneSource {
 
     /// The lists of pairs; where there is none, all pairs of known poses.
     fn lists(&self) -> Vec<MatchList> {
-        let truth = &self.files.truth;
-        match &truth.world_from_scan {
-            Some(poses) if truth.match_lists.is_empty() => vec![all_pairs(poses)],
-            _ => truth.match_lists.iter().map(match_list).collect(),
+        let known = &self.files.truth;
+        match &known.world_from_scan {
+            Some(poses) if known.match_lists.is_empty() => vec![all_pairs(poses)],
+            _ => known.match_lists.iter().map(match_list).collect(),
         }
     }
 
-    fn clouds(&self) -> Result<Vec<Vec<Point3<f64>>>, Box<dyn Error>> {
+    fn clouds(&self) -> Result<Vec<Vec<Point3<f64>>>, Failure> {
         let files = self
             .files
             .scans
@@ -282,7 +280,7 @@ impl SceneSource {
         read.collect()
     }
 
-    fn learned_scans(&self) -> Result<Vec<Scan>, Box<dyn Error>> {
+    fn learned_scans(&self) -> Result<Vec<Scan>, Failure> {
         let files = self.files.scans.iter();
         let files = files.filter_map(|scan| scan.descriptors.as_ref());
         files.map(learned_scan).collect()
@@ -299,7 +297,7 @@ impl SceneSource {
     }
 }
 
-fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Box<dyn Error>> {
+fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Failure> {
     let (points, read) = files.read()?;
     Ok(Scan::new(
         points,
@@ -307,8 +305,6 @@ fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Box<dyn Error>> {
     )?)
 }
 
-/// The list of 3DMatch, which its own release names `gt`, leaves consecutive pairs out; others count
-/// every pair.
 fn match_list(list: &PairList) -> MatchList {
     let information = |k: usize| match &list.information {
         Some(matrices) => matrices[k],
@@ -321,16 +317,10 @@ fn match_list(list: &PairList) -> MatchList {
         i_from_j: pair.i_from_j,
         information: information(k),
     });
-    let has_information = list.information.is_some();
     MatchList {
         name: list.name.clone(),
-        protocol: match list.name.as_str() {
-            "3dmatch" => Protocol::ThreeDMatch,
-            "gt" if has_information => Protocol::ThreeDMatch,
-            _ => Protocol::ThreeDLoMatch,
-        },
+        protocol: Protocol::of_list(&list.name, list.information.is_some()),
         pairs: pairs.collect(),
-        has_information,
     }
 }
 
@@ -348,9 +338,8 @@ fn all_pairs(world_from_scan: &[Option<Isometry3<f64>>]) -> MatchList {
     });
     MatchList {
         name: "poses".to_owned(),
-        protocol: Protocol::ThreeDLoMatch,
+        protocol: None,
         pairs: pairs.collect(),
-        has_information: false,
     }
 }
 
@@ -361,7 +350,7 @@ fn hash(text: &str) -> u64 {
 }
 
 /// Refuses scans that a voxel grid of this size would reduce to a few points.
-fn check_extent(clouds: &[Vec<Point3<f64>>], voxel: f64) -> Result<(), Box<dyn Error>> {
+fn check_extent(clouds: &[Vec<Point3<f64>>], voxel: f64) -> Result<(), Failure> {
     let extent = |cloud: &Vec<Point3<f64>>| {
         let low = cloud
             .iter()

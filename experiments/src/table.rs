@@ -35,8 +35,8 @@ impl Table {
 }
 
 /// Percent with one digit, and the standard deviation where there were several runs.
-pub fn percent(share: Option<Spread>) -> String {
-    match share {
+pub fn percent(ratio: Option<Spread>) -> String {
+    match ratio {
         None => "–".to_owned(),
         Some(Spread { mean, count: 1, .. }) => format!("{:.1}", 100.0 * mean),
         Some(Spread { mean, std_dev, .. }) => {
@@ -50,12 +50,4 @@ pub fn number(value: Option<Spread>, factor: f64, digits: usize) -> String {
     value.map_or("–".to_owned(), |spread| {
         format!("{:.digits$}", factor * spread.mean)
     })
-}
-
-/// Recall in percent as the benchmark computes it, and in brackets with the conjugate sign.
-pub fn both_signs(benchmark: Option<Spread>, conjugate: Option<Spread>) -> String {
-    match conjugate {
-        Some(conjugate) => format!("{} ({:.1})", percent(benchmark), 100.0 * conjugate.mean),
-        None => percent(benchmark),
-    }
 }

@@ -1,6 +1,5 @@
 //! The program `experiments` from the outside, on a simulated scene in the layout of 3DMatch.
 
-#![cfg(feature = "experiments")]
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write;
@@ -8,9 +7,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use gmpcr_eval::information_matrix;
+use gmpcr_eval::{OverlapIndex, information_matrix, overlap_matrix};
 use gmpcr_io::{LogEntry, write_gt_log, write_poses_3x4};
-use gmpcr_sim::{SimParams, SimulatedScans, overlap_matrix, overlapping_points, simulate};
+use gmpcr_sim::{SimParams, SimulatedScans, simulate};
 use nalgebra::{Isometry3, Point3};
 
 const NUM_SCANS: usize = 6;
@@ -24,11 +23,11 @@ fn write_scene(folder: &Path) -> Vec<Isometry3<f64>> {
         ..SimParams::default()
     })
     .unwrap();
-    let overlap = overlap_matrix(&scans, OVERLAP_RADIUS);
     let SimulatedScans {
         clouds,
         world_from_scan,
     } = scans;
+    let overlap = overlap_matrix(&clouds, &world_from_scan, OVERLAP_RADIUS).unwrap();
     for (index, cloud) in clouds.iter().enumerate() {
         write_ply(&folder.join(format!("cloud_bin_{index}.ply")), cloud);
     }
@@ -38,9 +37,11 @@ fn write_scene(folder: &Path) -> Vec<Isometry3<f64>> {
         writeln!(csv, "{i},{j},{0},{0}", overlap[(i, j)]).unwrap();
         if overlap[(i, j)] > 0.1 {
             let i_from_j = world_from_scan[i].inv_mul(&world_from_scan[j]);
-            let shared = overlapping_points(&clouds[i], &clouds[j], &i_from_j, OVERLAP_RADIUS);
+            let [scan_i, scan_j] =
+                [i, j].map(|scan| OverlapIndex::new(&clouds[scan], OVERLAP_RADIUS));
+            let overlapping = scan_i.overlapping_points(&scan_j, &i_from_j);
             writeln!(info, "{i} {j} {NUM_SCANS}").unwrap();
-            for row in information_matrix(&shared).row_iter() {
+            for row in information_matrix(&overlapping).row_iter() {
                 let row: Vec<String> = row.iter().map(f64::to_string).collect();
                 writeln!(info, "{}", row.join(" ")).unwrap();
             }
@@ -101,7 +102,7 @@ fn a_broken_scene_is_named_the_others_go_on_and_a_second_run_resumes() {
         "### Registration recall (%), list gt, fpfh descriptors",
         "### In the paper: registration recall (%)",
         "### Ablation, recall (%), list gt, fpfh descriptors",
-        "### Synchronisation methods on the same pose graphs",
+        "### Synchronization methods on the same pose graphs",
         "### Recall (%) over the number of views",
         "### Retrieval of overlapping pairs",
         "### Connectivity over K",
@@ -133,11 +134,6 @@ fn a_broken_scene_is_named_the_others_go_on_and_a_second_run_resumes() {
         .filter(|line| line.starts_with("| baseline") || line.starts_with("| consensus"))
     {
         assert!(!row.contains("|  "), "{row}");
-        assert_eq!(
-            row.matches('(').count(),
-            if row.contains("91.6") { 0 } else { 3 },
-            "{row}"
-        );
     }
 
     // A second run reads what the first left, a later one with other settings does not.
@@ -187,7 +183,6 @@ fn poses_or_pairs_without_matrices_are_judged_by_angle_and_distance() {
         let recall = records.lines().find(|line| line.contains(&wanted)).unwrap();
         let recall: f64 = recall.rsplit(',').next().unwrap().parse().unwrap();
         assert!(recall > 0.5, "{scene}: {recall}");
-        assert!(!records.contains("conjugate"));
     }
 }
 

@@ -1,16 +1,17 @@
-//! The method without its parts (paper, table "Ablation study"), and other synchronisation methods on
+//! The method without its parts (paper, table "Ablation study"), and other synchronization methods on
 //! the method's own pose graphs.
 
 use std::collections::BTreeSet;
-use std::error::Error;
 
 use gmpcr::posegraph::{PoseGraph, PoseGraphError};
-use gmpcr::sync::{AdaptiveHistory, History, Method, SyncParams, synchronize};
+use gmpcr::sync::{Method, SyncParams};
 use gmpcr::{Registration, register};
 use rayon::prelude::*;
 
 use super::recall::{lists, recall_table};
 use crate::arguments::Arguments;
+use crate::failure::Failure;
+use crate::methods::{sghr, synchronized, without_recovery};
 use crate::records::{Record, Selection};
 use crate::registering::{Judge, registered, sampled, world_poses};
 use crate::scene::Scene;
@@ -24,10 +25,13 @@ pub const ROWS: [&str; 5] = [
     "+ recovery term (full)",
 ];
 
+/// Methods that the paper's table has.
+const METHODS_OF_ROWS: [&str; 3] = ["adaptive", "no-recovery", "sghr"];
+
 /// What SGHR's authors use.
 const SGHR_ITERATIONS: usize = 50;
 
-pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
+pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure> {
     let mut records = Vec::new();
     for run in 0..arguments.runs as usize {
         let full = scene.main_params();
@@ -45,20 +49,20 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn 
             method,
             ..full.sync.clone()
         };
-        let sghr = sync(History::Sghr.into());
-        let mut rows = vec![
-            (ROWS[0], complete_graph, sghr.clone()),
-            (ROWS[1], unfiltered_graph, sghr.clone()),
-            (ROWS[2], graph, sghr.clone()),
-            (ROWS[3], graph, sync(without_recovery(full.sync.method))),
-            (ROWS[4], graph, full.sync.clone()),
-        ];
         let longer = SyncParams {
             iterations: SGHR_ITERATIONS,
-            ..sghr
+            ..sync(sghr())
         };
-        rows.push(("sghr, 50 iterations", graph, longer));
-        let others = Method::ALL.into_iter().filter(|m| !is_row_of_the_table(m));
+        let mut rows = vec![
+            (ROWS[0], complete_graph, sync(sghr())),
+            (ROWS[1], unfiltered_graph, sync(sghr())),
+            (ROWS[2], graph, sync(sghr())),
+            (ROWS[3], graph, without_recovery(&full.sync)),
+            (ROWS[4], graph, full.sync.clone()),
+            ("sghr, 50 iterations", graph, longer),
+        ];
+        let methods = Method::ALL.iter().copied();
+        let others = methods.filter(|method| !METHODS_OF_ROWS.contains(&method.name()));
         rows.extend(others.map(|method| (method.name(), graph, sync(method))));
         records.extend(judge_rows(scene, run, &rows)?);
     }
@@ -84,39 +88,19 @@ fn selected_part(unselected: &Registration, neighbors: usize) -> Result<PoseGrap
 
 type Row<'a> = (&'a str, &'a PoseGraph, SyncParams);
 
-fn judge_rows(scene: &Scene, run: usize, rows: &[Row]) -> Result<Vec<Record>, Box<dyn Error>> {
+fn judge_rows(scene: &Scene, run: usize, rows: &[Row]) -> Result<Vec<Record>, Failure> {
     let judge = |(configuration, graph, params): &Row| {
-        let found = synchronize(graph, params);
+        let found = synchronized(graph, params)?;
         let poses = world_poses(&found.world_from_scan, &found.components);
         let judge = Judge {
             scene,
             configuration,
             run,
         };
-        judge.judge(&poses)
+        Ok(judge.judge(&poses)?)
     };
-    let judged: Result<Vec<_>, _> = rows.par_iter().map(judge).collect();
+    let judged: Result<Vec<_>, Failure> = rows.par_iter().map(judge).collect();
     Ok(judged?.concat())
-}
-
-fn without_recovery(method: Method) -> Method {
-    match method {
-        Method::HistoryAware(History::Adaptive(history)) => {
-            let history = AdaptiveHistory {
-                recovery: 0.0,
-                ..history
-            };
-            History::Adaptive(history).into()
-        }
-        other => other,
-    }
-}
-
-fn is_row_of_the_table(method: &Method) -> bool {
-    matches!(
-        method,
-        Method::HistoryAware(History::Adaptive(_) | History::Sghr)
-    )
 }
 
 pub fn report(records: &Selection, descriptors: &str, text: &mut String) {
@@ -131,7 +115,7 @@ pub fn report(records: &Selection, descriptors: &str, text: &mut String) {
     }
     for list in lists(records) {
         let title = format!(
-            "Synchronisation methods on the same pose graphs, recall (%), list {list}, {descriptors} descriptors"
+            "Synchronization methods on the same pose graphs, recall (%), list {list}, {descriptors} descriptors"
         );
         recall_table(title, &methods, &list, records).append_to(text);
     }

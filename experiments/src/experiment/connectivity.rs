@@ -1,12 +1,12 @@
-//! Connectivity of the pose graph over the neighbourhood size K (paper, table "Connectivity of pose
+//! Connectivity of the pose graph over the neighborhood size K (paper, table "Connectivity of pose
 //! graphs constructed by GMPCR under different Top-K settings").
 
-use std::error::Error;
 use std::path::Path;
 
 use gmpcr::posegraph::{Connectivity, PairConfidences};
 use gmpcr_eval::ConnectivitySummary;
 
+use crate::failure::Failure;
 use crate::figures::{Panel, Series, write_figure};
 use crate::records::{Record, Selection};
 use crate::registering::registered;
@@ -14,10 +14,10 @@ use crate::scene::Scene;
 use crate::table::Table;
 
 const MAX_NEIGHBORS: usize = 10;
-/// Between the preset and the size of the neighbourhood.
+/// Between the preset and the size of the neighborhood.
 const K: &str = ", K = ";
 
-pub fn run(scene: &Scene) -> Result<Vec<Record>, Box<dyn Error>> {
+pub fn run(scene: &Scene) -> Result<Vec<Record>, Failure> {
     let mut records = Vec::new();
     for (preset, params) in &scene.presets {
         let confidences = &registered(scene, params, 0)?.confidences;
@@ -64,7 +64,7 @@ pub fn report(
     descriptors: &str,
     figure: &Path,
     text: &mut String,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<(), Failure> {
     let title = format!("Connectivity over K, {descriptors} descriptors");
     let header = [
         "preset, K",
@@ -83,8 +83,8 @@ pub fn report(
             let Some(summary) = summary(records, &configuration) else {
                 continue;
             };
-            let share = summary.num_connected as f64 / summary.num_scenes as f64;
-            lines.0.push((k as f64, 100.0 * share));
+            let ratio = summary.num_connected as f64 / summary.num_scenes as f64;
+            lines.0.push((k as f64, 100.0 * ratio));
             lines
                 .1
                 .push((k as f64, 100.0 * summary.min_largest_component_ratio));

@@ -8,12 +8,12 @@ pub mod synchronization;
 mod time;
 mod views;
 
-use std::error::Error;
 use std::path::Path;
 
 use clap::ValueEnum;
 
 use crate::arguments::Arguments;
+use crate::failure::Failure;
 use crate::records::{Record, Store};
 use crate::reference;
 use crate::scene::Scene;
@@ -21,9 +21,9 @@ use crate::scene::Scene;
 /// What can be run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Experiment {
-    /// Registration recall, pose errors and shares under thresholds, with both presets.
+    /// Registration recall, pose errors and ratios under thresholds, with both presets.
     Recall,
-    /// The method without its parts, and other synchronisation methods on the same graphs.
+    /// The method without its parts, and other synchronization methods on the same graphs.
     Ablation,
     /// Recall over the number of views.
     Views,
@@ -31,7 +31,7 @@ pub enum Experiment {
     Retrieval,
     /// Connectivity of the pose graph over K.
     Connectivity,
-    /// All synchronisation methods on simulated pose graphs with wrong edges.
+    /// All synchronization methods on simulated pose graphs with outlier edges.
     Sync,
     /// Time of each stage.
     Time,
@@ -65,7 +65,7 @@ impl Experiment {
     }
 
     /// Runs on one scene. What the scene lacks (lists of pairs, overlaps) yields no records.
-    pub fn run(self, scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
+    pub fn run(self, scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure> {
         match self {
             Self::Recall => recall::run(scene, arguments),
             Self::Ablation => ablation::run(scene, arguments),
@@ -78,12 +78,7 @@ impl Experiment {
     }
 
     /// Appends the tables over all scenes to a text and draws the figures into a folder.
-    pub fn report(
-        self,
-        store: &Store,
-        folder: &Path,
-        text: &mut String,
-    ) -> Result<(), Box<dyn Error>> {
+    pub fn report(self, store: &Store, folder: &Path, text: &mut String) -> Result<(), Failure> {
         if self == Self::Sync {
             return synchronization::report(store, folder, text);
         }

@@ -1,17 +1,16 @@
 //! Registration recall and pose errors (paper, tables "Registration recall on 3DMatch, 3DLoMatch, and
 //! ETH" and "Rotation and translation error on ScanNet").
 
-use std::error::Error;
-
-use gmpcr_eval::{SCANNET_DEGREES, SCANNET_METRES};
+use gmpcr_eval::{SCANNET_DEGREES, SCANNET_METERS};
 
 use crate::arguments::Arguments;
+use crate::failure::Failure;
 use crate::records::{Record, Selection};
 use crate::registering::{Judge, registered, world_poses};
 use crate::scene::Scene;
-use crate::table::{Table, both_signs, number};
+use crate::table::{Table, number, percent};
 
-pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
+pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure> {
     let mut records = Vec::new();
     for run in 0..arguments.runs as usize {
         for (configuration, params) in &scene.presets {
@@ -38,26 +37,19 @@ pub fn report(records: &Selection, descriptors: &str, text: &mut String) {
 }
 
 /// Recall on one list, a row per configuration: every scene, the mean over the scenes and all pairs
-/// together; with its deviation over the runs, and in brackets with the conjugate sign.
+/// together, with its deviation over the runs.
 pub fn recall_table(title: String, rows: &[String], list: &str, records: &Selection) -> Table {
     let mut header = vec!["configuration".to_owned()];
     header.extend(records.names());
     header.extend(["scene mean", "all pairs together"].map(str::to_owned));
     let mut table = Table::new(title, header);
-    let conjugate = format!("{list} conjugate");
+    let (registered, pairs) = (format!("{list} registered"), format!("{list} pairs"));
     for row in rows {
         let mut cells = vec![row.clone()];
-        cells.extend(records.scenes.iter().map(|(scene, _)| {
-            let of_scene = |metric: &str| records.scene_spread(scene, row, metric);
-            both_signs(of_scene(list), of_scene(&conjugate))
-        }));
-        let mean = |metric: &str| records.mean_spread(row, metric);
-        cells.push(both_signs(mean(list), mean(&conjugate)));
-        let pooled = |metric: &str| {
-            let (part, whole) = (format!("{metric} registered"), format!("{metric} pairs"));
-            records.ratio_spread(row, &part, &whole)
-        };
-        cells.push(both_signs(pooled(list), pooled(&conjugate)));
+        let scenes = records.scenes.iter();
+        cells.extend(scenes.map(|(scene, _)| percent(records.scene_spread(scene, row, list))));
+        cells.push(percent(records.mean_spread(row, list)));
+        cells.push(percent(records.ratio_spread(row, &registered, &pairs)));
         table.row(cells);
     }
     table
@@ -65,30 +57,30 @@ pub fn recall_table(title: String, rows: &[String], list: &str, records: &Select
 
 fn pose_errors(records: &Selection, descriptors: &str, text: &mut String) {
     let title = format!(
-        "Shares of all listed pairs (%) under thresholds, and errors of those with an estimate, {descriptors} descriptors"
+        "Ratios of all listed pairs (%) under thresholds, and errors of those with an estimate, {descriptors} descriptors"
     );
     let mut header = vec!["list, configuration".to_owned(), "15° and 0.3 m".to_owned()];
     header.extend(SCANNET_DEGREES.map(|limit| format!("{limit}°")));
     header.extend(["mean", "median"].map(|statistic| format!("{statistic} (°)")));
-    header.extend(SCANNET_METRES.map(|limit| format!("{limit} m")));
+    header.extend(SCANNET_METERS.map(|limit| format!("{limit} m")));
     header.extend(["mean", "median"].map(|statistic| format!("{statistic} (m)")));
     header.push("without estimate (%)".to_owned());
     let mut table = Table::new(title, header);
     for list in lists(records) {
         for configuration in records.configurations() {
             let mean = |metric: String| records.mean_spread(&configuration, &metric);
-            let share = |metric: String| number(mean(metric), 100.0, 1);
+            let ratio = |metric: String| number(mean(metric), 100.0, 1);
             let mut row = vec![format!("{list}, {configuration}")];
-            row.push(share(format!("{list} within 15° and 0.3 m")));
-            row.extend(SCANNET_DEGREES.map(|limit| share(format!("{list} under {limit}°"))));
+            row.push(ratio(format!("{list} within 15° and 0.3 m")));
+            row.extend(SCANNET_DEGREES.map(|limit| ratio(format!("{list} under {limit}°"))));
             for statistic in ["mean", "median"] {
                 row.push(number(mean(format!("{list} {statistic} degrees")), 1.0, 2));
             }
-            row.extend(SCANNET_METRES.map(|limit| share(format!("{list} under {limit} m"))));
+            row.extend(SCANNET_METERS.map(|limit| ratio(format!("{list} under {limit} m"))));
             for statistic in ["mean", "median"] {
-                row.push(number(mean(format!("{list} {statistic} metres")), 1.0, 3));
+                row.push(number(mean(format!("{list} {statistic} meters")), 1.0, 3));
             }
-            row.push(share(format!("{list} without estimate")));
+            row.push(ratio(format!("{list} without estimate")));
             table.row(row);
         }
     }

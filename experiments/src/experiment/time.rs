@@ -1,11 +1,11 @@
 //! Time of each stage (paper, table "Average runtime for registering one 3DMatch scene").
 
-use std::error::Error;
 use std::path::Path;
 
-use gmpcr::register;
+use gmpcr::{Stage, register};
 
 use crate::arguments::Arguments;
+use crate::failure::Failure;
 use crate::figures::{Panel, write_figure};
 use crate::records::{Record, Selection};
 use crate::scene::Scene;
@@ -13,10 +13,9 @@ use crate::table::{Table, number};
 
 const DESCRIPTION: &str = "normals and FPFH";
 const CONFIGURATION: &str = "main preset";
-const SYNCHRONISATION: &str = "synchronisation";
 const NUM_SCANS: &str = "scans";
 
-pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
+pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure> {
     let mut records = vec![
         Record::new(CONFIGURATION, 0, NUM_SCANS, scene.scans.len() as f64),
         Record::new(
@@ -47,7 +46,7 @@ pub fn report(
     descriptors: &str,
     figure: &Path,
     text: &mut String,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<(), Failure> {
     let stages = stages(records);
     let mut header = vec!["scene".to_owned(), "scans".to_owned()];
     header.extend(stages.iter().map(|stage| format!("{stage} (ms)")));
@@ -69,10 +68,10 @@ pub fn report(
             .mean_spread(CONFIGURATION, stage)
             .map_or(0.0, |t| t.mean)
     };
-    let synchronization = mean(SYNCHRONISATION);
+    let synchronization = mean(Stage::Synchronization.name());
     let total: f64 = stages.iter().map(|stage| mean(stage)).sum();
     let title = format!("Average time per scene (s), {descriptors} descriptors");
-    let mut table = Table::new(title, ["main module", "synchronisation", "total"]);
+    let mut table = Table::new(title, ["main module", "synchronization", "total"]);
     table.row([total - synchronization, synchronization, total].map(|time| format!("{time:.3}")));
     table.append_to(text);
     let names = records.names();

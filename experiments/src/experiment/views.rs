@@ -1,19 +1,20 @@
 //! Recall over the number of views registered at once (paper, table "Registration recall under
 //! increasing numbers of views"): seeded random subsets of each scene.
 
-use std::error::Error;
 use std::path::Path;
 
-use gmpcr::posegraph::Components;
+use gmpcr::posegraph::{Components, PoseGraph};
 use gmpcr::register;
-use gmpcr::sync::{History, Method, SyncParams, synchronize};
+use gmpcr::sync::{Method, SyncParams};
 use gmpcr_eval::WorldPoses;
 use nalgebra::Isometry3;
 use rand::seq::index::sample;
 
 use super::recall::lists;
 use crate::arguments::Arguments;
+use crate::failure::Failure;
 use crate::figures::{Panel, Series, write_figure};
+use crate::methods::{sghr, synchronized};
 use crate::records::{Record, Selection};
 use crate::registering::{Judge, generator, registered, sampled};
 use crate::scene::Scene;
@@ -25,48 +26,69 @@ const ALL: &str = "all";
 const VIEWS: &str = "views";
 const METHODS: [&str; 3] = ["adaptive", "sghr", "consensus"];
 
-pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Box<dyn Error>> {
+pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure> {
     let num_scans = scene.scans.len();
     let params = scene.main_params();
     let mut records = Vec::new();
     for run in 0..arguments.runs as usize {
         let scans = sampled(scene, params, run);
-        let smaller = NUM_VIEWS.into_iter().filter(|&count| count < num_scans);
-        for count in smaller.chain([num_scans]) {
-            // Purposes up to the number of scans are taken by the sampling.
-            let mut rng = generator(scene.seed, run, num_scans + count);
-            let mut views = sample(&mut rng, num_scans, count).into_vec();
-            views.sort_unstable();
+        for count in NUM_VIEWS.into_iter().filter(|&count| count < num_scans) {
+            let views = random_views(scene, run, count);
             let subset: Vec<_> = views.iter().map(|&view| scans[view].clone()).collect();
-            let graph = if count == num_scans {
-                registered(scene, params, run)?.graph.clone()
-            } else {
-                register(&subset, params)?.graph
-            };
-            for method in [params.sync.method, History::Sghr.into(), Method::Consensus] {
-                let sync = SyncParams {
-                    method,
-                    ..params.sync.clone()
-                };
-                let found = synchronize(&graph, &sync);
-                let poses =
-                    poses_of_views(num_scans, &views, &found.world_from_scan, &found.components);
-                let label = if count == num_scans {
-                    ALL.to_owned()
-                } else {
-                    count.to_string()
-                };
-                let configuration = format!("{} {label}", method.name());
-                let judge = Judge {
-                    scene,
-                    configuration: &configuration,
-                    run,
-                };
-                records.push(Record::new(&configuration, run, VIEWS, count as f64));
-                let is_seen = |i, j| views.contains(&i) && views.contains(&j);
-                records.extend(judge.judge_pairs(&poses, is_seen)?);
-            }
+            let graph = register(&subset, params)?.graph;
+            records.extend(judge_methods(
+                scene,
+                run,
+                &count.to_string(),
+                &views,
+                &graph,
+            )?);
         }
+        let all: Vec<usize> = (0..num_scans).collect();
+        let graph = &registered(scene, params, run)?.graph;
+        records.extend(judge_methods(scene, run, ALL, &all, graph)?);
+    }
+    Ok(records)
+}
+
+/// Ascending scans, drawn anew in each run.
+fn random_views(scene: &Scene, run: usize, count: usize) -> Vec<usize> {
+    let num_scans = scene.scans.len();
+    // Purposes up to the number of scans are taken by the sampling.
+    let mut rng = generator(scene.seed, run, num_scans + count);
+    let mut views = sample(&mut rng, num_scans, count).into_vec();
+    views.sort_unstable();
+    views
+}
+
+/// The recall of each method on the graph of some views.
+fn judge_methods(
+    scene: &Scene,
+    run: usize,
+    label: &str,
+    views: &[usize],
+    graph: &PoseGraph,
+) -> Result<Vec<Record>, Failure> {
+    let sync = &scene.main_params().sync;
+    let mut records = Vec::new();
+    for method in [sync.method, sghr(), Method::Consensus] {
+        let sync = SyncParams {
+            method,
+            ..sync.clone()
+        };
+        let found = synchronized(graph, &sync)?;
+        let (poses, components) = (&found.world_from_scan, &found.components);
+        let poses = poses_of_views(scene.scans.len(), views, poses, components);
+        let configuration = format!("{} {label}", method.name());
+        let judge = Judge {
+            scene,
+            configuration: &configuration,
+            run,
+        };
+        let count = views.len() as f64;
+        records.push(Record::new(&configuration, run, VIEWS, count));
+        let is_seen = |i, j| views.contains(&i) && views.contains(&j);
+        records.extend(judge.judge_pairs(&poses, is_seen)?);
     }
     Ok(records)
 }
@@ -90,7 +112,7 @@ pub fn report(
     descriptors: &str,
     figure: &Path,
     text: &mut String,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<(), Failure> {
     let lists = lists(records);
     let title = format!("Recall (%) over the number of views, {descriptors} descriptors");
     let mut header = vec!["scenes, list, method".to_owned()];
@@ -135,9 +157,9 @@ fn add_rows(label: &str, records: &Selection, lists: &[String], table: &mut Tabl
         for method in METHODS {
             let mut row = vec![format!("{label}, {list}, {method}")];
             let labels = NUM_VIEWS.map(|count| count.to_string());
-            let share = |label: &str| records.mean_spread(&format!("{method} {label}"), list);
-            row.extend(labels.iter().map(|label| percent(share(label))));
-            row.push(percent(share(ALL)));
+            let recall = |label: &str| records.mean_spread(&format!("{method} {label}"), list);
+            row.extend(labels.iter().map(|label| percent(recall(label))));
+            row.push(percent(recall(ALL)));
             table.row(row);
         }
     }
@@ -159,7 +181,7 @@ fn panel(records: &Selection, list: &str) -> Panel {
         Series::new(
             method,
             points
-                .map(|(views, share)| (views, 100.0 * share))
+                .map(|(views, recall)| (views, 100.0 * recall))
                 .collect(),
         )
     };

@@ -90,8 +90,8 @@ impl Ranged for Axis {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
-        let share = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
-        start + (share * f64::from(end - start)).round() as i32
+        let fraction = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
+        start + (fraction * f64::from(end - start)).round() as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {

@@ -31,7 +31,7 @@ const KEY: i32 = 30;
 const CHARACTER: usize = 7;
 /// Lines with more points than this have no markers.
 const MAX_MARKERS: usize = 60;
-/// Colours that colour-blind readers tell apart (Okabe and Ito, 2008), without the yellow,
+/// Colors that color-blind readers tell apart (Okabe and Ito, 2008), without the yellow,
 /// which white paper swallows.
 const PALETTE: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
@@ -42,13 +42,13 @@ const PALETTE: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(0, 0, 0),
 ];
-/// Colour of curves with a band.
+/// Color of curves with a band.
 const TEAL: RGBColor = RGBColor(0, 128, 128);
-/// Colour of horizontal lines.
+/// Color of horizontal lines.
 const GRAY: RGBColor = RGBColor(110, 110, 110);
-/// Colour of axes.
+/// Color of axes.
 const AXIS: RGBColor = RGBColor(90, 90, 90);
-/// Colour of the grid.
+/// Color of the grid.
 const GRID: RGBColor = RGBColor(225, 225, 225);
 
 /// The panels side by side and their legend, as the text of an SVG file.
@@ -90,7 +90,7 @@ fn legend(panels: &[Panel]) -> Vec<&Mark> {
     first
 }
 
-/// Colour, dashes and marker of a mark.
+/// Color, dashes and marker of a mark.
 #[derive(Clone, Copy)]
 struct Look {
     color: RGBColor,
@@ -98,7 +98,7 @@ struct Look {
     marker: usize,
 }
 
-/// Looks follow the order of the legend; a second round through the colours is dashed.
+/// Looks follow the order of the legend; a second round through the colors is dashed.
 fn look(mark: &Mark, legend: &[&Mark]) -> Look {
     let place = legend.iter().position(|other| other.label == mark.label);
     let place = place.unwrap_or(0);

@@ -59,7 +59,7 @@ pub struct Panel {
     marks: Vec<Mark>,
 }
 
-/// A shape and its name in the legend; marks of one name share their colour.
+/// A shape and its name in the legend; marks of one name have one color.
 #[derive(Debug, Clone)]
 struct Mark {
     label: String,
@@ -71,7 +71,7 @@ struct Mark {
 enum Shape {
     /// Connected points with markers.
     Line(Vec<Point>),
-    /// Connected points in the colour of bands.
+    /// Connected points in the color of bands.
     Curve(Vec<Point>),
     /// Area around a curve.
     Band(Vec<Point>),
@@ -189,7 +189,7 @@ impl Panel {
 
 /// Writes `panels` side by side to the SVG file `path`, which is complete or as it was before.
 ///
-/// The legend names each label of the row once; labels that panels share look the same in them.
+/// The legend names each label of the row once; labels of several panels look the same in them.
 ///
 /// # Errors
 /// [`FigureError`] if the backend fails or the file cannot be written.
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_names_a_shared_label_once() {
+    fn a_row_names_a_common_label_once() {
         let svg = svg(&one_of_each());
         assert_eq!(svg.matches("Geman-McClure").count(), 1);
         assert_eq!(svg.matches("the x").count(), 5);
