@@ -47,7 +47,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let simulated = simulate_pose_graph(&PoseGraphSimParams {
         seed: arguments.seed,
         num_scans: arguments.scans,
-        outlier_share: arguments.outliers,
+        outlier_ratio: arguments.outliers,
         ..PoseGraphSimParams::default()
     })?;
     let edge = |edge: &SimulatedEdge| PoseEdge {
