@@ -87,7 +87,7 @@ fn simulated(name: String, num_scans: usize, seed: u64) -> Scene {
     let matrix = overlap_matrix(clouds, world_from_scan, 1.5 * params.voxel).unwrap();
     Scene {
         name,
-        scans: data::described(&simulated),
+        scans: data::with_descriptors(&simulated),
         overlaps: all_pairs(num_scans)
             .map(|pair| (pair, matrix[pair]))
             .collect(),

@@ -1,4 +1,4 @@
-//! How time and memory grow with the number of scans and poses, on made data: `docs/growth.csv`, and
+//! How time and memory grow with the number of scans and poses, on synthetic data: `docs/growth.csv`, and
 //! drawn, `docs/growth-registration.svg` and `docs/growth-synchronization.svg`.
 //!
 //! ```text

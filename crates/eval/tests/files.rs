@@ -1,6 +1,7 @@
 //! Results and pairs are written to files and read again.
 
 #![cfg(feature = "serde")]
+#![allow(clippy::unwrap_used)]
 
 use std::fmt::Debug;
 

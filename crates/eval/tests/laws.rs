@@ -141,7 +141,7 @@ fn a_line_of_scans_is_counted_as_by_hand() {
 }
 
 #[test]
-fn the_limit_is_twenty_centimetres_squared() {
+fn the_limit_is_twenty_centimeters_squared() {
     for (off, registered) in [(0.199, 6), (0.201, 3)] {
         let (pairs, poses) = line(off);
         let recall = registration_recall(&pairs, &poses, Protocol::ThreeDLoMatch).unwrap();

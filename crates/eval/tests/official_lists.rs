@@ -1,4 +1,4 @@
-//! The official 3DMatch and 3DLoMatch lists against the poses that they were made from.
+//! The official 3DMatch and 3DLoMatch lists against the poses that they were computed from.
 //!
 //! Needs a scene folder with `poses.txt` and `official_*.log/.info` below `$GMPCR_DATA`
 //! (default: `../shared/data` beside the workspace); says so and passes where there is none.
@@ -110,7 +110,7 @@ fn ground_truth_poses_register_every_pair_of_the_official_lists() {
 }
 
 #[test]
-fn a_scan_that_is_one_metre_off_loses_its_pairs() {
+fn a_scan_that_is_one_meter_off_loses_its_pairs() {
     let Some(data) = data() else { return };
     let folder = data.join(SCENES[0]);
     let mut world_from_scan = poses(&folder);

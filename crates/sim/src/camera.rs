@@ -142,7 +142,7 @@ impl DepthCamera {
     }
 }
 
-/// What goes wrong at one pixel. Drawn for every pixel, also where nothing is seen, so that a
+/// The errors at one pixel. Drawn for every pixel, also where nothing is seen, so that a
 /// change of the scene leaves the noise of the other pixels alone.
 struct PixelErrors {
     lateral: (f64, f64),

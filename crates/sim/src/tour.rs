@@ -1,6 +1,6 @@
 //! A walk through the flat: where the camera stands and looks, scan by scan.
 //!
-//! In each room the camera turns about once, stepping back from the middle of the room; then it
+//! In each room the camera rotates about once, stepping back from the middle of the room; then it
 //! walks through the passage into the next one, and back when the last room is done. Around each
 //! planned stop viewpoints are drawn at random until one keeps clear of the furniture, sees more
 //! than a bare wall and sees the wanted part of the scan before again; the longer this takes, the
@@ -45,13 +45,13 @@ struct Stop {
 }
 
 impl Stop {
-    /// From this stop (`part` 0) to the other (1), turning the shorter way.
+    /// From this stop (`part` 0) to the other (1), rotating the shorter way.
     fn towards(&self, other: &Self, part: f64) -> Self {
-        let turn = (other.yaw - self.yaw + PI).rem_euclid(TAU) - PI;
+        let rotation = (other.yaw - self.yaw + PI).rem_euclid(TAU) - PI;
         Self {
             x: self.x + part * (other.x - self.x),
             y: self.y + part * (other.y - self.y),
-            yaw: self.yaw + part * turn,
+            yaw: self.yaw + part * rotation,
         }
     }
 }
@@ -87,7 +87,7 @@ pub(crate) fn walk(
 /// The first `num_scans` stops of the walk.
 fn plan(rooms: &[Room], num_scans: usize) -> Vec<Stop> {
     let mut stops = Vec::with_capacity(num_scans);
-    let (mut room, mut heading, mut turning) = (0, 1.0, 1.0);
+    let (mut room, mut heading, mut direction) = (0, 1.0, 1.0);
     while stops.len() < num_scans {
         let next_heading = match room {
             _ if rooms.len() == 1 => heading,
@@ -95,10 +95,15 @@ fn plan(rooms: &[Room], num_scans: usize) -> Vec<Stop> {
             last if last + 1 == rooms.len() => -1.0,
             _ => heading,
         };
-        let half_turns = if heading == next_heading { 2.0 } else { 3.0 };
-        turn_around(&mut stops, &rooms[room], heading, turning * half_turns * PI);
+        let half_revolutions = if heading == next_heading { 2.0 } else { 3.0 };
+        rotate(
+            &mut stops,
+            &rooms[room],
+            heading,
+            direction * half_revolutions * PI,
+        );
         heading = next_heading;
-        turning = -turning;
+        direction = -direction;
         if rooms.len() > 1 {
             room = walk_on(&mut stops, room, rooms, heading);
         }
@@ -108,13 +113,13 @@ fn plan(rooms: &[Room], num_scans: usize) -> Vec<Stop> {
 }
 
 /// Stops on an ellipse, each looking over the middle of the room.
-fn turn_around(stops: &mut Vec<Stop>, plan: &Room, heading: f64, turn: f64) {
+fn rotate(stops: &mut Vec<Stop>, plan: &Room, heading: f64, angle: f64) {
     let start: f64 = if heading > 0.0 { 0.0 } else { PI };
     let [x, y] = plan.center();
     let [half_x, half_y] = [0, 1].map(|k| (plan.max[k] - plan.min[k]) / 2.0);
-    let steps = (turn.abs() / STEP).ceil() as usize;
+    let steps = (angle.abs() / STEP).ceil() as usize;
     for k in 0..steps {
-        let yaw = start + turn * k as f64 / steps as f64;
+        let yaw = start + angle * k as f64 / steps as f64;
         let (x, y) = (
             x - STEP_BACK * half_x * yaw.cos(),
             y - STEP_BACK * half_y * yaw.sin(),
@@ -184,11 +189,11 @@ fn distance_to_wanted(fraction: f64) -> f64 {
 
 /// A hand-held pose near a stop, and the stop it makes; `spread` widens the draw.
 fn draw_pose(aim: &Stop, spread: f64, rng: &mut ChaCha8Rng) -> (Stop, Isometry3<f64>) {
-    let (reach, turn) = (0.25 * spread, spread * 8.0_f64.to_radians());
+    let (reach, angle) = (0.25 * spread, spread * 8.0_f64.to_radians());
     let stop = Stop {
         x: aim.x + uniform(rng, -reach, reach),
         y: aim.y + uniform(rng, -reach, reach),
-        yaw: aim.yaw + uniform(rng, -turn, turn),
+        yaw: aim.yaw + uniform(rng, -angle, angle),
     };
     let eye = Point3::new(stop.x, stop.y, uniform(rng, 1.0, 1.8));
     let pitch = uniform(rng, -35.0, 10.0).to_radians();

@@ -20,7 +20,7 @@ pub(super) fn chair(rng: &mut ChaCha8Rng) -> Piece {
     back_rest(&mut piece, width, seat, top, rng);
     if chance(rng, 0.4) {
         let cushion = [width - 0.04, depth - 0.06, uniform(rng, 0.03, 0.07)];
-        piece.turned_block(
+        piece.rotated_block(
             [0.0, depth / 2.0 + 0.02, seat + cushion[2] / 2.0],
             cushion,
             0.06,

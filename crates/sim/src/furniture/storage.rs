@@ -131,7 +131,7 @@ pub(super) fn wardrobe(rng: &mut ChaCha8Rng) -> Piece {
             uniform(rng, 0.1, 0.3),
         ];
         let angle = uniform(rng, -0.3, 0.3);
-        piece.turned_block([x, size[1] / 2.0, size[2] + carton[2] / 2.0], carton, angle);
+        piece.rotated_block([x, size[1] / 2.0, size[2] + carton[2] / 2.0], carton, angle);
         x += 0.5;
     }
     piece

@@ -76,7 +76,7 @@ fn book_stack(reach: f64, rng: &mut ChaCha8Rng) -> Piece {
         let thickness = uniform(rng, 0.02, 0.06);
         let size = [0.7 * reach, 0.5 * reach].map(|side| side * uniform(rng, 0.7, 1.1));
         let angle = uniform(rng, -0.5, 0.5);
-        piece.turned_block(
+        piece.rotated_block(
             [0.0, 0.0, z + thickness / 2.0],
             [size[0], size[1], thickness],
             angle,
