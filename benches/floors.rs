@@ -19,8 +19,8 @@
 //! | Kabsch | 15 for each pair: centroids and covariance; its decomposition is not counted |
 //! | top-K | none: comparisons are not counted, so that only the bytes are left |
 //!
-//! Cliques, features and synchronisation have no row: their work depends on what they find, on the
-//! neighbours of points or on the fill of a factor, and no simple count of it would be a floor.
+//! Cliques, features and synchronization have no row: their work depends on what they find, on the
+//! neighbors of points or on the fill of a factor, and no simple count of it would be a floor.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -29,7 +29,7 @@ mod data;
 use std::hint::black_box;
 use std::time::Instant;
 
-use data::{descriptors, half_right_pairs, scattered};
+use data::{descriptors, half_inlier_pairs, scattered};
 use faer::linalg::matmul::matmul;
 use faer::traits::{ComplexField, math_utils::one};
 use faer::{Accum, Mat, Par};
@@ -121,7 +121,7 @@ fn transfers(bytes: usize) -> f64 {
     bytes as f64 / summed.min(copied)
 }
 
-/// All stages on made data.
+/// All stages on synthetic data.
 fn made(machine: &Machine) {
     let params = Params::threedmatch().compatibility;
     let rows = descriptors(2_000, 32, 0);
@@ -134,7 +134,7 @@ fn made(machine: &Machine) {
     machine.report("matching", "200 × 200 × 33", matching_work(&a, &b), seconds);
 
     for num_pairs in [100, 250] {
-        let (size, pairs) = (format!("M = {num_pairs}"), half_right_pairs(num_pairs));
+        let (size, pairs) = (format!("M = {num_pairs}"), half_inlier_pairs(num_pairs));
         let build = || CompatibilityGraph::new(black_box(&pairs), params.tolerance);
         let (graph, seconds) = (build(), best(build));
         machine.report("compatibility graph", &size, graph_work(&graph), seconds);
@@ -146,7 +146,7 @@ fn made(machine: &Machine) {
         machine.report("graph to filter", &size, work, seconds);
     }
 
-    let (pairs, weights) = (half_right_pairs(10), [0.5; 10]);
+    let (pairs, weights) = (half_inlier_pairs(10), [0.5; 10]);
     let work = Work::new(0.0, 15.0 * 10.0, 56.0 * 10.0);
     let seconds = best(|| kabsch(black_box(&pairs), Some(&weights)));
     machine.report("weighted Kabsch", "10 pairs", work, seconds);

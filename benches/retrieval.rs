@@ -1,5 +1,5 @@
-//! What retrieval misses and what it saves: per number of candidates, the share of pairs that are
-//! scored, the shares of the exhaustive run's edges and of the true overlaps among them, and the
+//! What retrieval misses and what it saves: per number of candidates, the ratio of pairs that are
+//! scored, the ratios of the exhaustive run's edges and of the true overlaps among them, and the
 //! time of one thread, on simulated scans and on the real ones that `GMPCR_DATA` names.
 //!
 //! ```text
@@ -19,9 +19,10 @@ use gmpcr::correspondence::{Keypoints, correspondences};
 use gmpcr::features::FeatureParams;
 use gmpcr::posegraph::{PairConfidences, ScoredPair};
 use gmpcr::{Params, Scan, describe_clouds};
+use gmpcr_eval::overlap_matrix;
 use gmpcr_io::{read_overlaps, read_points, scan_files};
 use gmpcr_retrieval::{RetrievalParams, candidate_pairs, further_pairs};
-use gmpcr_sim::{SimParams, overlap_matrix, simulate};
+use gmpcr_sim::{SimParams, SimulatedScans, simulate};
 
 type Pair = (usize, usize);
 
@@ -32,7 +33,7 @@ struct Scene {
     overlaps: BTreeMap<Pair, f64>,
 }
 
-/// Candidates per scan, most rounds of neighbours, candidates per round.
+/// Candidates per scan, most rounds of neighbors, candidates per round.
 type Setting = [usize; 3];
 const MANY_SCANS: [Setting; 8] = [
     [15, 0, 0],
@@ -79,10 +80,14 @@ fn simulated(name: String, num_scans: usize, seed: u64) -> Scene {
         ..data::flat(num_scans)
     };
     let simulated = simulate(&params).unwrap();
-    let matrix = overlap_matrix(&simulated, 1.5 * params.voxel);
+    let SimulatedScans {
+        clouds,
+        world_from_scan,
+    } = &simulated;
+    let matrix = overlap_matrix(clouds, world_from_scan, 1.5 * params.voxel).unwrap();
     Scene {
         name,
-        scans: data::described(&simulated),
+        scans: data::with_descriptors(&simulated),
         overlaps: all_pairs(num_scans)
             .map(|pair| (pair, matrix[pair]))
             .collect(),
@@ -122,7 +127,7 @@ fn report(scene: &Scene) {
     let (exhaustive, exhaustive_time) = timed(|| score(&keypoints, all_pairs(num_scans), &params));
     println!("\n{}: {num_scans} scans\n", scene.name);
     println!(
-        "| candidates + rounds × candidates | scored per scan | share of pairs | K = 6 edges kept (true ones) \
+        "| candidates + rounds × candidates | scored per scan | ratio of pairs | K = 6 edges kept (true ones) \
          | K = 10 edges kept (true ones) | overlaps ≥ 30 % | ≥ 10 % | retrieval | all scoring | exhaustive | faster |\n\
          |---|---|---|---|---|---|---|---|---|---|---|"
     );

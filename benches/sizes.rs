@@ -1,4 +1,4 @@
-//! Every stage at the paper's sizes and at growing ones, on made data, with its throughput.
+//! Every stage at the paper's sizes and at growing ones, on synthetic data, with its throughput.
 //!
 //! ```text
 //! cargo bench --bench sizes -- --quick       # all of it: about eight minutes
@@ -13,7 +13,7 @@ mod data;
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use data::{descriptors, half_right_pairs, scattered};
+use data::{descriptors, half_inlier_pairs, scattered};
 use gmpcr::cliques::{BitGraph, for_each_maximal_clique, kabsch};
 use gmpcr::compatibility::{CompatibilityParams, SpectralFilter};
 use gmpcr::correspondence::{farthest_point_sampling, match_descriptors};
@@ -55,7 +55,7 @@ fn matching(criterion: &mut Criterion) {
 fn compatibility(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("compatibility, eigenvector, filter");
     for num_pairs in [50, 100, 250, 500] {
-        let pairs = half_right_pairs(num_pairs);
+        let pairs = half_inlier_pairs(num_pairs);
         group.throughput(Throughput::Elements((num_pairs * num_pairs) as u64));
         group.bench_function(BenchmarkId::new("M", num_pairs), |bencher| {
             bencher
@@ -69,9 +69,9 @@ fn compatibility(criterion: &mut Criterion) {
 fn cliques(criterion: &mut Criterion) {
     const BUDGET: usize = 200_000;
     let size = 60;
-    let random = |share: f64| {
+    let random = |ratio: f64| {
         BitGraph::from_edges(size, |i, j| {
-            scattered(61 * i.min(j) + i.max(j)) < 2.0 * share - 1.0
+            scattered(61 * i.min(j) + i.max(j)) < 2.0 * ratio - 1.0
         })
     };
     let graphs = [
@@ -95,7 +95,7 @@ fn cliques(criterion: &mut Criterion) {
 fn kabsch_of(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("weighted Kabsch");
     for num_pairs in [3, 10, 100] {
-        let pairs = half_right_pairs(num_pairs);
+        let pairs = half_inlier_pairs(num_pairs);
         let weights = vec![0.5; num_pairs];
         group.throughput(Throughput::Elements(num_pairs as u64));
         group.bench_function(BenchmarkId::new("pairs", num_pairs), |bencher| {
@@ -121,15 +121,15 @@ fn selection(criterion: &mut Criterion) {
     }
 }
 
-/// Degree 8, a fifth of the edges wrong, 10 iterations.
+/// Degree 8, a fifth of the edges outliers, 10 iterations.
 fn synchronization(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("synchronisation");
+    let mut group = criterion.benchmark_group("synchronization");
     group.sample_size(10);
     for num_scans in [60, 500, 5_000, 50_000] {
         let simulated = simulate_pose_graph(&PoseGraphSimParams {
             num_scans,
             degree: 8.0,
-            outlier_share: 0.2,
+            outlier_ratio: 0.2,
             topology: gmpcr_sim::Topology::Geometric,
             ..PoseGraphSimParams::default()
         });
@@ -165,7 +165,7 @@ fn features(criterion: &mut Criterion) {
     }
 }
 
-/// Described scans of a flat that grows with their number, registered at once, and one more added.
+/// Scans with descriptors of a flat that grows with their number, registered at once, and one more added.
 fn pipeline(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("sampling to poses");
     group.sample_size(10);

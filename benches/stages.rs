@@ -29,7 +29,7 @@ fn scans() -> (String, Vec<Scan>) {
         Err(error) => {
             eprintln!("no real scans, simulated ones are used: {error}");
             let simulated = simulate(&SimParams::default()).unwrap();
-            ("simulated".into(), data::described(&simulated))
+            ("simulated".into(), data::with_descriptors(&simulated))
         }
     }
 }
@@ -57,7 +57,7 @@ fn pair_stages(criterion: &mut Criterion) {
         bencher.iter(|| DominantEigenpair::new(black_box(filter.graph.scg())));
     });
     let retained = pairs.select(&filter.retained);
-    group.bench_function("cliques and motion", |bencher| {
+    group.bench_function("cliques and relative pose", |bencher| {
         bencher.iter(|| {
             let compatibility = Compatibility {
                 fcg: filter.graph.fcg(),
@@ -83,7 +83,7 @@ fn whole(criterion: &mut Criterion) {
         ("10", Params::threedmatch()),
         ("90", Params::threedlomatch()),
     ] {
-        group.bench_function(format!("synchronisation, {name} iterations"), |bencher| {
+        group.bench_function(format!("synchronization, {name} iterations"), |bencher| {
             bencher.iter(|| synchronize(black_box(&graph), &params.sync));
         });
     }

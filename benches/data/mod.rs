@@ -1,4 +1,4 @@
-//! Data of the benchmarks, made and real.
+//! Data of the benchmarks, synthetic and real.
 
 #![allow(dead_code, reason = "each benchmark uses a part")]
 
@@ -26,12 +26,12 @@ pub fn point(k: usize) -> Point3<f64> {
     Vector3::from_fn(|axis, _| 2.0 * scattered(3 * k + axis)).into()
 }
 
-/// Correspondences of a motion, of which every second is wrong.
-pub fn half_right_pairs(num_pairs: usize) -> PointPairs {
-    let motion = Isometry3::new(Vector3::new(1.0, 2.0, 0.5), Vector3::new(0.3, -0.2, 1.0));
+/// Correspondences of a transformation, of which every second is an outlier.
+pub fn half_inlier_pairs(num_pairs: usize) -> PointPairs {
+    let transformation = Isometry3::new(Vector3::new(1.0, 2.0, 0.5), Vector3::new(0.3, -0.2, 1.0));
     let source: Vec<_> = (0..num_pairs).map(point).collect();
     let target = source.iter().enumerate().map(|(k, p)| match k % 2 {
-        0 => motion * p,
+        0 => transformation * p,
         _ => point(k + 7919),
     });
     PointPairs::new(target.collect(), source).unwrap()
@@ -50,13 +50,13 @@ pub fn flat(num_scans: usize) -> SimParams {
     }
 }
 
-pub fn described(simulated: &SimulatedScans) -> Vec<Scan> {
+pub fn with_descriptors(simulated: &SimulatedScans) -> Vec<Scan> {
     describe_clouds(&simulated.clouds, &FeatureParams::default()).unwrap()
 }
 
-/// Described scans of a [`flat`].
+/// Scans with descriptors of a [`flat`].
 pub fn scans(num_scans: usize) -> Vec<Scan> {
-    described(&simulate(&flat(num_scans)).unwrap())
+    with_descriptors(&simulate(&flat(num_scans)).unwrap())
 }
 
 /// Where the real scans are: what `GMPCR_DATA` names.

@@ -13,15 +13,15 @@ use crate::table::{BEFORE, PEAK, SCORING_SECONDS, SECONDS, Table, docs};
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn Error>>;
 
-/// Blue, vermilion, green: colours that colour-blind readers tell apart (Okabe and Ito, 2008).
+/// Blue, vermilion, green: colors that color-blind readers tell apart (Okabe and Ito, 2008).
 const PALETTE: [RGBColor; 3] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
 ];
-/// Colour of the axes and of the memory of the data.
+/// Color of the axes and of the memory of the data.
 const GRAY: RGBColor = RGBColor(90, 90, 90);
-/// Colour of the reference slopes.
+/// Color of the reference slopes.
 const PALE: RGBColor = RGBColor(170, 170, 170);
 const GRID: RGBColor = RGBColor(228, 228, 228);
 

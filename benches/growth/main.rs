@@ -1,4 +1,4 @@
-//! How time and memory grow with the number of scans and poses, on made data: `docs/growth.csv`, and
+//! How time and memory grow with the number of scans and poses, on synthetic data: `docs/growth.csv`, and
 //! drawn, `docs/growth-registration.svg` and `docs/growth-synchronization.svg`.
 //!
 //! ```text
@@ -69,7 +69,7 @@ fn synchronize(num_scans: usize, topology: Topology, methods: &[&str], table: &m
     let simulated = simulate_pose_graph(&PoseGraphSimParams {
         num_scans,
         degree: 8.0,
-        outlier_share: 0.2,
+        outlier_ratio: 0.2,
         topology,
         ..PoseGraphSimParams::default()
     });

@@ -48,9 +48,9 @@ fn registration(scans: &[Scan], what: &str) {
     params.retrieval.min_scans = if what == "retrieval" { 0 } else { usize::MAX };
     let (registration, cost) = measured(|| register(scans, &params).unwrap());
     let times = &registration.times;
-    let scoring_share = times.scoring.as_secs_f64() / times.total().as_secs_f64();
+    let scoring_ratio = times.scoring.as_secs_f64() / times.total().as_secs_f64();
     let num_pairs = registration.confidences.pairs().len();
-    print(num_pairs, &cost, Some(cost.seconds * scoring_share));
+    print(num_pairs, &cost, Some(cost.seconds * scoring_ratio));
 }
 
 /// By the method that the first word names.

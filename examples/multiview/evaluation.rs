@@ -3,9 +3,7 @@
 use std::error::Error;
 
 use gmpcr::Registration;
-use gmpcr_eval::{
-    GroundTruthPair, PairErrors, Protocol, RotationSign, WorldPoses, registration_recall,
-};
+use gmpcr_eval::{GroundTruthPair, PairErrors, Protocol, WorldPoses, registration_recall};
 
 use crate::input::Truth;
 
@@ -26,33 +24,26 @@ pub fn print_evaluation(truth: &Truth, registration: &Registration) -> Result<()
     Ok(())
 }
 
-/// Both readings of the rotation's sign, see [`RotationSign`].
 fn print_recalls(
     matches: &[Vec<GroundTruthPair>; 2],
     poses: &WorldPoses,
 ) -> Result<(), Box<dyn Error>> {
     let protocols = [Protocol::ThreeDMatch, Protocol::ThreeDLoMatch];
     println!("\nregistration recall          3DMatch  3DLoMatch");
-    let readings = [
-        ("as the benchmark computes it", RotationSign::Benchmark),
-        ("with e = (t, −q)", RotationSign::Conjugate),
-    ];
-    for (reading, sign) in readings {
-        print!("{reading:<28}");
-        for (pairs, protocol) in matches.iter().zip(protocols) {
-            let recall = registration_recall(pairs, poses, protocol, sign)?;
-            match recall.share() {
-                Some(share) => print!(" {:>6.1} % ", 100.0 * share),
-                None => print!(" {:>8} ", "no pairs"),
-            }
-            for (i, j) in &recall.unjudgeable {
-                eprintln!(
-                    "pair ({i}, {j}) has an empty information matrix: it counts as not registered"
-                );
-            }
+    print!("{:<28}", "RMSE below 0.2 m");
+    for (pairs, protocol) in matches.iter().zip(protocols) {
+        let recall = registration_recall(pairs, poses, protocol)?;
+        match recall.ratio() {
+            Some(ratio) => print!(" {:>6.1} % ", 100.0 * ratio),
+            None => print!(" {:>8} ", "no pairs"),
         }
-        println!();
+        for (i, j) in &recall.unjudgeable {
+            eprintln!(
+                "pair ({i}, {j}) has an empty information matrix: it counts as not registered"
+            );
+        }
     }
+    println!();
     print!("{:<28}", "within 15° and 0.3 m");
     for pairs in matches {
         match PairErrors::of_pairs(pairs, poses)?.recall() {

@@ -7,11 +7,11 @@ use std::time::Instant;
 use gmpcr::features::FeatureParams;
 use gmpcr::nalgebra::{Isometry3, Point3};
 use gmpcr::{Descriptors, Scan, describe_clouds};
-use gmpcr_eval::GroundTruthPair;
+use gmpcr_eval::{GroundTruthPair, OverlapIndex, information_matrix};
 use gmpcr_io::{
     DescriptorFiles, Layout, PairList, Scene, SceneScan, SceneTruth, read_points, read_scene,
 };
-use gmpcr_sim::{RoomParams, SimParams, SimulatedScans, overlapping_points, simulate};
+use gmpcr_sim::{RoomParams, SimParams, SimulatedScans, simulate};
 
 /// What is to be registered.
 pub struct Input {
@@ -171,22 +171,22 @@ fn true_pairs(
     clouds: &[Vec<Point3<f64>>],
     world_from_scan: &[Isometry3<f64>],
 ) -> [Vec<GroundTruthPair>; 2] {
+    let indices: Vec<_> = clouds
+        .iter()
+        .map(|cloud| OverlapIndex::new(cloud, OVERLAP_RADIUS))
+        .collect();
     let mut matches = [Vec::new(), Vec::new()];
     for (i, j) in (0..clouds.len()).flat_map(|i| (i + 1..clouds.len()).map(move |j| (i, j))) {
         let i_from_j = world_from_scan[i].inv_mul(&world_from_scan[j]);
-        let shared_i = overlapping_points(&clouds[i], &clouds[j], &i_from_j, OVERLAP_RADIUS);
-        let shared_j =
-            overlapping_points(&clouds[j], &clouds[i], &i_from_j.inverse(), OVERLAP_RADIUS);
-        let share = |shared: usize, all: usize| shared as f64 / all.max(1) as f64;
-        let overlap =
-            0.5 * (share(shared_i.len(), clouds[i].len()) + share(shared_j.len(), clouds[j].len()));
+        let overlap = indices[i].overlap(&indices[j], &i_from_j);
         let class = if overlap > 0.3 { 0 } else { 1 };
         if overlap >= 0.1 {
+            let overlapping = indices[i].overlapping_points(&indices[j], &i_from_j);
             matches[class].push(GroundTruthPair {
                 i,
                 j,
                 i_from_j,
-                information: gmpcr_eval::information_matrix(&shared_i),
+                information: information_matrix(&overlapping),
             });
         }
     }

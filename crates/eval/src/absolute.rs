@@ -6,24 +6,25 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use crate::error::{Error, check_length};
 use crate::pose_error::{PoseError, pose_error};
 
-/// How the estimated world is moved onto the true one.
+/// How the estimated world is aligned with the ground truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Gauge {
-    /// The motion of least squared errors: R minimises `Σ |R · R̂_k − R_k|²` over the rotations
-    /// (chordal mean, from the singular value decomposition of `Σ R_k R̂_kᵀ`), t then minimises
+    /// The transformation of least squared errors: R minimizes `Σ |R · R̂_k − R_k|²` over the rotations
+    /// (chordal mean, from the singular value decomposition of `Σ R_k R̂_kᵀ`), t then minimizes
     /// `Σ |R · t̂_k + t − t_k|²`.
     LeastSquares,
-    /// The motion of least absolute errors, which scans that are far off do not drag along: the
-    /// geodesic median of the rotations `R_k R̂_kᵀ`, then the geometric median of the shifts, both by
+    /// The transformation of least absolute errors, to which scans that are far off matter little: the
+    /// geodesic median of the rotations `R_k R̂_kᵀ`, then the geometric median of the translations, both by
     /// Weiszfeld's iteration (Hartley, Aftab and Trumpf, CVPR 2011).
     LeastAbsolute,
 }
 
-/// Errors of absolute poses after the estimated world is moved onto the true one.
+/// Errors of absolute poses after the estimated world is aligned with the ground truth.
 ///
-/// Poses are known up to a common rigid motion (R, t), the gauge, which is removed by the best fit.
+/// Poses are known up to a common rigid transformation (R, t), the gauge, which is retransformed by the best fit.
 /// Unlike a fit to the positions alone, this is unique also where all scans stand in a line. Each
-/// error compares `(R, t) · (R̂_k, t̂_k)` with the true pose.
+/// error compares `(R, t) · (R̂_k, t̂_k)` with the pose (R_k, t_k) of the ground truth.
 ///
 /// The scans must share one frame: call once per connected component. No scans give no errors.
 /// To judge without any gauge, see [`PairErrors::of_all`](crate::PairErrors::of_all).
@@ -35,10 +36,10 @@ pub enum Gauge {
 /// use gmpcr_eval::{Gauge, absolute_errors};
 /// use nalgebra::{Isometry3, Vector3};
 ///
-/// let truth = [0.0, 1.0, 3.0].map(|x| Isometry3::translation(x, 0.0, 0.0));
+/// let ground_truth = [0.0, 1.0, 3.0].map(|x| Isometry3::translation(x, 0.0, 0.0));
 /// let gauge = Isometry3::new(Vector3::new(5.0, 6.0, 7.0), Vector3::new(0.1, 0.2, 0.3));
-/// let moved = truth.map(|pose| gauge * pose);
-/// let errors = absolute_errors(&moved, &truth, Gauge::LeastSquares)?;
+/// let transformed = ground_truth.map(|pose| gauge * pose);
+/// let errors = absolute_errors(&transformed, &ground_truth, Gauge::LeastSquares)?;
 /// assert!(errors.iter().all(|e| e.rotation < 1e-12 && e.translation < 1e-12));
 /// # Ok::<(), gmpcr_eval::Error>(())
 /// ```
@@ -48,41 +49,43 @@ pub fn absolute_errors(
     gauge: Gauge,
 ) -> Result<Vec<PoseError>, Error> {
     check_length(
-        "true poses",
+        "ground truth poses",
         estimated_world_from_scan.len(),
         true_world_from_scan.len(),
     )?;
     let true_from_estimated = best_gauge(estimated_world_from_scan, true_world_from_scan, gauge);
     let poses = estimated_world_from_scan.iter().zip(true_world_from_scan);
     Ok(poses
-        .map(|(estimate, truth)| pose_error(&(true_from_estimated * estimate), truth))
+        .map(|(estimate, ground_truth)| pose_error(&(true_from_estimated * estimate), ground_truth))
         .collect())
 }
 
-/// The rigid motion that best maps the estimated world onto the true one.
+/// The rigid transformation that best aligns the estimated world with the ground truth.
 fn best_gauge(
     estimated: &[Isometry3<f64>],
-    truth: &[Isometry3<f64>],
+    ground_truth: &[Isometry3<f64>],
     gauge: Gauge,
 ) -> Isometry3<f64> {
-    let pairs = || estimated.iter().zip(truth);
-    let turns: Vec<_> = pairs()
-        .map(|(estimate, truth)| truth.rotation * estimate.rotation.inverse())
+    let pairs = || estimated.iter().zip(ground_truth);
+    let rotations: Vec<_> = pairs()
+        .map(|(estimate, ground_truth)| ground_truth.rotation * estimate.rotation.inverse())
         .collect();
-    let mean = mean_rotation(&turns);
+    let mean = mean_rotation(&rotations);
     let rotation = match gauge {
         Gauge::LeastSquares => mean,
-        Gauge::LeastAbsolute => median_rotation(&turns, mean),
+        Gauge::LeastAbsolute => median_rotation(&rotations, mean),
     };
-    let shifts: Vec<Vector3<f64>> = pairs()
-        .map(|(estimate, truth)| truth.translation.vector - rotation * estimate.translation.vector)
+    let translations: Vec<Vector3<f64>> = pairs()
+        .map(|(estimate, ground_truth)| {
+            ground_truth.translation.vector - rotation * estimate.translation.vector
+        })
         .collect();
-    let mean = shifts.iter().sum::<Vector3<f64>>() / shifts.len().max(1) as f64;
-    let shift = match gauge {
+    let mean = translations.iter().sum::<Vector3<f64>>() / translations.len().max(1) as f64;
+    let translation = match gauge {
         Gauge::LeastSquares => mean,
-        Gauge::LeastAbsolute => median_vector(&shifts, mean),
+        Gauge::LeastAbsolute => median_vector(&translations, mean),
     };
-    Isometry3::from_parts(shift.into(), rotation)
+    Isometry3::from_parts(translation.into(), rotation)
 }
 
 fn mean_rotation(rotations: &[UnitQuaternion<f64>]) -> UnitQuaternion<f64> {
@@ -155,22 +158,22 @@ mod tests {
         (0..7)
             .map(|k| {
                 let k = f64::from(k);
-                let turn = Vector3::new(k.sin(), 0.4 * k, 1.0 - k);
-                Isometry3::new(Vector3::new(k, k * k, -k), turn)
+                let rotation = Vector3::new(k.sin(), 0.4 * k, 1.0 - k);
+                Isometry3::new(Vector3::new(k, k * k, -k), rotation)
             })
             .collect()
     }
 
     #[test]
-    fn a_common_motion_of_the_estimate_changes_no_error() {
+    fn a_common_transformation_of_the_estimate_changes_no_error() {
         for gauge_of in [Gauge::LeastSquares, Gauge::LeastAbsolute] {
-            let truth = poses();
+            let ground_truth = poses();
             let mut estimate = poses();
             estimate[2] *= Isometry3::new(Vector3::new(0.2, 0.1, 0.0), Vector3::new(0.0, 0.3, 0.0));
             let gauge = Isometry3::new(Vector3::new(9.0, -4.0, 2.0), Vector3::new(2.0, -1.0, 0.5));
-            let moved: Vec<_> = estimate.iter().map(|pose| gauge * pose).collect();
-            let plain = absolute_errors(&estimate, &truth, gauge_of).unwrap();
-            let gauged = absolute_errors(&moved, &truth, gauge_of).unwrap();
+            let transformed: Vec<_> = estimate.iter().map(|pose| gauge * pose).collect();
+            let plain = absolute_errors(&estimate, &ground_truth, gauge_of).unwrap();
+            let gauged = absolute_errors(&transformed, &ground_truth, gauge_of).unwrap();
             for (a, b) in plain.iter().zip(&gauged) {
                 assert_relative_eq!(a.rotation, b.rotation, epsilon = 1e-10);
                 assert_relative_eq!(a.translation, b.translation, epsilon = 1e-10);
@@ -180,33 +183,33 @@ mod tests {
     }
 
     #[test]
-    fn least_absolute_errors_leave_a_stray_scan_alone() {
-        let truth = poses();
+    fn least_absolute_errors_leave_an_outlier_alone() {
+        let ground_truth = poses();
         let gauge = Isometry3::new(Vector3::new(9.0, -4.0, 2.0), Vector3::new(2.0, -1.0, 0.5));
-        let mut estimate: Vec<_> = truth.iter().map(|pose| gauge * pose).collect();
+        let mut estimate: Vec<_> = ground_truth.iter().map(|pose| gauge * pose).collect();
         estimate[4] *= Isometry3::new(Vector3::new(5.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0));
-        let errors = absolute_errors(&estimate, &truth, Gauge::LeastAbsolute).unwrap();
+        let errors = absolute_errors(&estimate, &ground_truth, Gauge::LeastAbsolute).unwrap();
         for (scan, error) in errors.iter().enumerate() {
-            let is_stray = scan == 4;
-            assert_eq!(error.rotation > 1e-6, is_stray, "{scan}: {error:?}");
-            assert_eq!(error.translation > 1e-6, is_stray, "{scan}: {error:?}");
+            let is_outlier = scan == 4;
+            assert_eq!(error.rotation > 1e-6, is_outlier, "{scan}: {error:?}");
+            assert_eq!(error.translation > 1e-6, is_outlier, "{scan}: {error:?}");
         }
         assert_relative_eq!(errors[4].rotation, 1.0, epsilon = 1e-6);
-        let dragged = absolute_errors(&estimate, &truth, Gauge::LeastSquares).unwrap();
-        assert!(dragged[0].rotation > 0.1);
+        let distorted = absolute_errors(&estimate, &ground_truth, Gauge::LeastSquares).unwrap();
+        assert!(distorted[0].rotation > 0.1);
     }
 
     #[test]
     fn errors_in_opposite_directions_stay_as_they_are() {
-        let truth = [Isometry3::identity(); 2];
+        let ground_truth = [Isometry3::identity(); 2];
         let estimate = [0.1, -0.1].map(|x| Isometry3::translation(x, 0.0, 0.0));
-        for error in absolute_errors(&estimate, &truth, Gauge::LeastSquares).unwrap() {
+        for error in absolute_errors(&estimate, &ground_truth, Gauge::LeastSquares).unwrap() {
             assert_relative_eq!(error.translation, 0.1, epsilon = 1e-12);
         }
     }
 
     #[test]
-    fn one_scan_alone_is_never_wrong_and_no_scans_have_no_errors() {
+    fn one_scan_alone_has_no_error_and_no_scans_have_no_errors() {
         let alone = absolute_errors(&poses()[3..4], &poses()[4..5], Gauge::LeastAbsolute).unwrap();
         assert!(alone[0].rotation < 1e-12 && alone[0].translation < 1e-12);
         assert!(
@@ -222,7 +225,7 @@ mod tests {
         assert_eq!(
             error,
             Error::LengthMismatch {
-                what: "true poses",
+                what: "ground truth poses",
                 expected: 7,
                 found: 0
             }

@@ -20,6 +20,8 @@ use crate::pooling::mean;
 /// assert!(summary.is_some_and(|row| row.min_reachability == 0.25 && row.mean_num_edges == 2.5));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct ConnectivitySummary {
     /// Number of scenes with all scans in one component, `Conn.`
     pub num_connected: usize,
@@ -27,9 +29,9 @@ pub struct ConnectivitySummary {
     pub num_scenes: usize,
     /// Largest number of components of a scene, `C_max`.
     pub max_components: usize,
-    /// Smallest share of a scene's scans in its largest component, `LCC_min`.
+    /// Smallest fraction of a scene's scans in its largest component, `LCC_min`.
     pub min_largest_component_ratio: f64,
-    /// Smallest share of a scene's scans that its reference scan reaches, `R_min`.
+    /// Smallest fraction of a scene's scans that its reference scan reaches, `R_min`.
     pub min_reachability: f64,
     /// Mean number of edges, `M̄`, each scene weighing the same.
     pub mean_num_edges: f64,

@@ -1,4 +1,4 @@
-//! What can be wrong with the values to judge.
+//! What can be invalid about the values to judge.
 
 use thiserror::Error;
 

@@ -2,6 +2,7 @@
 
 /// How one pair fared.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outcome {
     /// The error is within the limit.
     Registered {
@@ -21,6 +22,8 @@ pub enum Outcome {
 
 /// One pair of the list and how it fared.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct PairOutcome {
     /// First scan.
     pub i: usize,
@@ -32,6 +35,8 @@ pub struct PairOutcome {
 
 /// Registration recall of one scene, pair by pair.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Recall {
     /// Registered pairs.
     pub registered: usize,
@@ -62,7 +67,7 @@ impl Recall {
 
     /// `registered / total`, between 0 and 1; `None` where no pair counts.
     #[must_use]
-    pub fn share(&self) -> Option<f64> {
+    pub fn ratio(&self) -> Option<f64> {
         (self.total > 0).then(|| self.registered as f64 / self.total as f64)
     }
 }

@@ -3,15 +3,17 @@
 use nalgebra::Isometry3;
 
 use crate::error::{Error, check_length};
+use crate::ground_truth::{GroundTruthPair, check_pair};
 use crate::pose_error::{PoseError, pose_error};
-use crate::shares::{
-    RECALL_DEGREES, RECALL_METRES, SCANNET_DEGREES, SCANNET_METRES, ThresholdShares,
+use crate::thresholds::{
+    RECALL_DEGREES, RECALL_METERS, SCANNET_DEGREES, SCANNET_METERS, ThresholdRatios,
 };
-use crate::truth::{GroundTruthPair, check_pair};
 use crate::world::WorldPoses;
 
 /// The error of one pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct PairError {
     /// First scan.
     pub i: usize,
@@ -23,7 +25,7 @@ pub struct PairError {
 
 /// Errors of the relative poses of many pairs.
 ///
-/// Means and medians are over the pairs that have an estimate. Shares are over all pairs: one
+/// Means and medians are over the pairs that have an estimate. Ratios are over all pairs: one
 /// without an estimate is under no threshold.
 ///
 /// ```
@@ -31,15 +33,17 @@ pub struct PairError {
 /// use nalgebra::Isometry3;
 ///
 /// let at = |x| Isometry3::translation(x, 0.0, 0.0);
-/// let truth = [at(0.0), at(1.0), at(2.0)];
+/// let ground_truth = [at(0.0), at(1.0), at(2.0)];
 /// let poses = WorldPoses::of_one_frame(&[at(5.0), at(6.0), at(7.4)]);
-/// let errors = PairErrors::of_all(&truth, &poses)?;
+/// let errors = PairErrors::of_all(&ground_truth, &poses)?;
 /// assert_eq!(errors.pairs.len(), 3);
 /// assert!(errors.median().is_some_and(|median| (median.translation - 0.4).abs() < 1e-12));
 /// assert!(errors.recall().is_some_and(|recall| (recall - 1.0 / 3.0).abs() < 1e-12));
 /// # Ok::<(), gmpcr_eval::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct PairErrors {
     /// The pairs, in the order they were asked about.
     pub pairs: Vec<PairError>,
@@ -69,33 +73,33 @@ impl PairErrors {
         pairs
             .iter()
             .try_for_each(|pair| check_pair(pair.i, pair.j, num_scans))?;
-        let pairs = pairs.iter().map(|truth| PairError {
-            i: truth.i,
-            j: truth.j,
-            error: i_from_j(truth.i, truth.j).map(|found| pose_error(&found, &truth.i_from_j)),
+        let pairs = pairs.iter().map(|pair| PairError {
+            i: pair.i,
+            j: pair.j,
+            error: i_from_j(pair.i, pair.j).map(|found| pose_error(&found, &pair.i_from_j)),
         });
         Ok(Self {
             pairs: pairs.collect(),
         })
     }
 
-    /// Errors of all pairs i < j against true absolute poses. No alignment is needed: relative
+    /// Errors of all pairs i < j against absolute poses of the ground truth. No alignment is needed: relative
     /// poses do not depend on the choice of the world's frame.
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] unless there is one true pose per scan.
+    /// [`Error::LengthMismatch`] unless there is one ground truth pose per scan.
     pub fn of_all(
         true_world_from_scan: &[Isometry3<f64>],
         poses: &WorldPoses,
     ) -> Result<Self, Error> {
         let num_scans = poses.num_scans();
-        check_length("true poses", num_scans, true_world_from_scan.len())?;
+        check_length("ground truth poses", num_scans, true_world_from_scan.len())?;
         let all = (0..num_scans).flat_map(|i| (i + 1..num_scans).map(move |j| (i, j)));
         let pairs = all.map(|(i, j)| {
-            let truth = true_world_from_scan[i].inv_mul(&true_world_from_scan[j]);
+            let true_i_from_j = true_world_from_scan[i].inv_mul(&true_world_from_scan[j]);
             let error = poses
                 .i_from_j(i, j)
-                .map(|estimate| pose_error(&estimate, &truth));
+                .map(|estimate| pose_error(&estimate, &true_i_from_j));
             PairError { i, j, error }
         });
         Ok(Self {
@@ -115,65 +119,47 @@ impl PairErrors {
     /// Mean rotation and mean translation error; `None` where no pair has an estimate.
     #[must_use]
     pub fn mean(&self) -> Option<PoseError> {
-        self.summary(|values| values.iter().sum::<f64>() / values.len() as f64)
+        PoseError::mean(&self.errors().copied().collect::<Vec<_>>())
     }
 
-    /// Median rotation and median translation error, each on its own: the middle value, or the
-    /// mean of the middle two. `None` where no pair has an estimate.
+    /// Median rotation and median translation error, each on its own; see [`PoseError::median`]. `None`
+    /// where no pair has an estimate.
     #[must_use]
     pub fn median(&self) -> Option<PoseError> {
-        self.summary(|values| {
-            let (low, high) = ((values.len() - 1) / 2, values.len() / 2);
-            (values[low] + values[high]) / 2.0
-        })
+        PoseError::median(&self.errors().copied().collect::<Vec<_>>())
     }
 
-    /// Share of the pairs with RE under 15° and TE under 0.3 m, the usual recall of pairwise
+    /// Ratio of the pairs with RE under 15° and TE under 0.3 m, the usual recall of pairwise
     /// registration indoors (Choy, Dong, Koltun, CVPR 2020). `None` where there are no pairs.
     #[must_use]
     pub fn recall(&self) -> Option<f64> {
-        self.recall_within(RECALL_DEGREES.to_radians(), RECALL_METRES)
+        self.recall_within(RECALL_DEGREES.to_radians(), RECALL_METERS)
     }
 
-    /// Share of the pairs with a rotation error under `rotation` radians and a translation error
-    /// under `translation` metres. `None` where there are no pairs.
+    /// Ratio of the pairs with a rotation error under `rotation` radians and a translation error
+    /// under `translation` meters. `None` where there are no pairs.
     #[must_use]
     pub fn recall_within(&self, rotation: f64, translation: f64) -> Option<f64> {
-        self.share(|error| error.rotation < rotation && error.translation < translation)
+        self.ratio(|error| error.rotation < rotation && error.translation < translation)
     }
 
-    /// Shares of the pairs under 3, 5, 10, 30, 45° and under 0.05, 0.1, 0.25, 0.5, 0.75 m, as
+    /// Ratios of the pairs under 3, 5, 10, 30, 45° and under 0.05, 0.1, 0.25, 0.5, 0.75 m, as
     /// multiview registration reports them on ScanNet (Gojcic et al.: Learning multiview 3D
     /// point cloud registration, CVPR 2020). `None` where there are no pairs.
     #[must_use]
-    pub fn scannet_shares(&self) -> Option<ThresholdShares> {
-        let under_angle = |degrees: f64| self.share(|error| error.rotation_degrees() < degrees);
-        let under_length = |metres: f64| self.share(|error| error.translation < metres);
-        // All of the shares exist or none does: they count the same pairs.
-        (!self.pairs.is_empty()).then(|| ThresholdShares {
+    pub fn scannet_ratios(&self) -> Option<ThresholdRatios> {
+        let under_angle = |degrees: f64| self.ratio(|error| error.rotation_degrees() < degrees);
+        let under_length = |meters: f64| self.ratio(|error| error.translation < meters);
+        // All of the ratios exist or none does: they count the same pairs.
+        (!self.pairs.is_empty()).then(|| ThresholdRatios {
             rotation: SCANNET_DEGREES.map(|degrees| under_angle(degrees).unwrap_or_default()),
-            translation: SCANNET_METRES.map(|metres| under_length(metres).unwrap_or_default()),
+            translation: SCANNET_METERS.map(|meters| under_length(meters).unwrap_or_default()),
         })
     }
 
-    fn share(&self, is_under: impl Fn(&PoseError) -> bool) -> Option<f64> {
+    fn ratio(&self, is_under: impl Fn(&PoseError) -> bool) -> Option<f64> {
         let under = self.errors().filter(|error| is_under(error)).count();
         (!self.pairs.is_empty()).then(|| under as f64 / self.pairs.len() as f64)
-    }
-
-    /// A statistic of the ascending errors.
-    fn summary(&self, statistic: impl Fn(&[f64]) -> f64) -> Option<PoseError> {
-        let sorted = |component: fn(&PoseError) -> f64| {
-            let mut values: Vec<f64> = self.errors().map(component).collect();
-            values.sort_by(f64::total_cmp);
-            values
-        };
-        let rotation = sorted(|error| error.rotation);
-        let translation = sorted(|error| error.translation);
-        (!rotation.is_empty()).then(|| PoseError {
-            rotation: statistic(&rotation),
-            translation: statistic(&translation),
-        })
     }
 
     fn errors(&self) -> impl Iterator<Item = &PoseError> {
@@ -225,11 +211,11 @@ mod tests {
     }
 
     #[test]
-    fn shares_count_missing_pairs_and_thresholds_are_strict() {
+    fn ratios_count_missing_pairs_and_thresholds_are_strict() {
         let found = errors(&[Some((4.0, 0.05)), Some((1.0, 0.2)), Some((40.0, 0.6)), None]);
-        let shares = found.scannet_shares().unwrap();
-        assert_eq!(shares.rotation, [0.25, 0.5, 0.5, 0.5, 0.75]);
-        assert_eq!(shares.translation, [0.0, 0.25, 0.5, 0.5, 0.75]);
+        let ratios = found.scannet_ratios().unwrap();
+        assert_eq!(ratios.rotation, [0.25, 0.5, 0.5, 0.5, 0.75]);
+        assert_eq!(ratios.translation, [0.0, 0.25, 0.5, 0.5, 0.75]);
         assert_eq!(found.recall(), Some(0.5));
         assert_eq!(found.recall_within(1.0, 0.1), Some(0.25));
     }
@@ -241,23 +227,23 @@ mod tests {
             (none.mean(), none.median(), none.recall()),
             (None, None, None)
         );
-        assert_eq!(none.scannet_shares(), None);
+        assert_eq!(none.scannet_ratios(), None);
         let missing = errors(&[None, None]);
         assert_eq!((missing.mean(), missing.recall()), (None, Some(0.0)));
         assert_eq!(
-            missing.scannet_shares().map(|shares| shares.rotation),
+            missing.scannet_ratios().map(|ratios| ratios.rotation),
             Some([0.0; 5])
         );
     }
 
     #[test]
-    fn a_wrong_number_of_true_poses_is_refused() {
+    fn another_number_of_ground_truth_poses_is_refused() {
         let poses = WorldPoses::of_one_frame(&[Isometry3::identity(); 3]);
         let error = PairErrors::of_all(&[Isometry3::identity(); 2], &poses).unwrap_err();
         assert_eq!(
             error,
             Error::LengthMismatch {
-                what: "true poses",
+                what: "ground truth poses",
                 expected: 3,
                 found: 2
             }

@@ -7,16 +7,27 @@ use crate::retrieval::Retrieval;
 /// Scenes where no pair counts are left out; `None` where that leaves none.
 ///
 /// ```
-/// use gmpcr_eval::{Recall, mean_recall, pooled_recall};
+/// use gmpcr_eval::{Recall, mean_recall, pairwise_recall, pooled_recall};
+/// # use gmpcr_eval::{GroundTruthPair, Protocol};
+/// # use nalgebra::{Isometry3, Matrix6};
+/// # let scene = |registered: usize, total: usize| {
+/// #     let pair = |j| GroundTruthPair {
+/// #         i: 0, j, i_from_j: Isometry3::identity(), information: Matrix6::identity(),
+/// #     };
+/// #     let pairs: Vec<_> = (1..=total).map(pair).collect();
+/// #     let estimate = |_, j| (j <= registered).then(Isometry3::identity);
+/// #     pairwise_recall(&pairs, total + 1, Protocol::ThreeDLoMatch, estimate)
+/// # };
 ///
-/// let scene = |registered, total| Recall { registered, total, pairs: vec![], unjudgeable: vec![] };
-/// let scenes = [scene(1, 1), scene(1, 3), scene(0, 0)];
+/// // Registered pairs and all pairs of each scene.
+/// let scenes: [Recall; 3] = [scene(1, 1)?, scene(1, 3)?, scene(0, 0)?];
 /// assert!(mean_recall(&scenes).is_some_and(|mean| (mean - 2.0 / 3.0).abs() < 1e-12));
 /// assert_eq!(pooled_recall(&scenes), Some(0.5));
+/// # Ok::<(), gmpcr_eval::Error>(())
 /// ```
 #[must_use]
 pub fn mean_recall(scenes: &[Recall]) -> Option<f64> {
-    mean(scenes.iter().filter_map(Recall::share))
+    mean(scenes.iter().filter_map(Recall::ratio))
 }
 
 /// Registered pairs of all scenes over counted pairs of all scenes, each pair weighing the same.
@@ -34,10 +45,17 @@ pub fn pooled_recall(scenes: &[Recall]) -> Option<f64> {
 /// by the caller.
 ///
 /// ```
-/// use gmpcr_eval::{Retrieval, mean_retrieval};
+/// use gmpcr_eval::{mean_retrieval, retrieval};
 ///
-/// let scenes = [Retrieval { recall: 1.0, regret: 0.0 }, Retrieval { recall: 0.5, regret: 0.25 }];
-/// assert_eq!(mean_retrieval(&scenes), Some(Retrieval { recall: 0.75, regret: 0.125 }));
+/// // Of three scans, the two that overlap choose each other in the first scene, but not in the second.
+/// let overlap = |i: usize, j: usize| if (i, j) == (0, 1) { 0.5 } else { 0.25 };
+/// let scenes = [[0.9, 0.1], [0.1, 0.9]].map(|[near, far]| {
+///     let confidence = move |i: usize, j: usize| if (i, j) == (0, 1) { near } else { far };
+///     retrieval(3, 1, confidence, overlap)
+/// });
+/// let scenes: Vec<_> = scenes.into_iter().flatten().collect();
+/// let mean = mean_retrieval(&scenes);
+/// assert!(mean.is_some_and(|mean| mean.recall < 1.0 && mean.regret > 0.0));
 /// ```
 #[must_use]
 pub fn mean_retrieval(scenes: &[Retrieval]) -> Option<Retrieval> {

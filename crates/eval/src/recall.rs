@@ -3,16 +3,18 @@
 use nalgebra::Isometry3;
 
 use crate::error::Error;
-use crate::information::{RotationSign, registration_error};
+use crate::ground_truth::{GroundTruthPair, check_pair};
+use crate::information::registration_error;
 use crate::outcome::{Outcome, PairOutcome, Recall};
-use crate::truth::{GroundTruthPair, check_pair};
 use crate::world::WorldPoses;
 
-/// Root mean square displacement up to which a pair counts as registered, in metres.
+/// Root mean square displacement up to which a pair counts as registered, in meters.
 pub const RECALL_DISTANCE: f64 = 0.2;
 
-/// Which pairs of a list count.
+/// The protocol that judges a list of pairs by their information matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Protocol {
     /// Pairs of consecutive scans, |i − j| = 1, are left out: they are too easy
     /// (Zeng et al., CVPR 2017).
@@ -22,6 +24,36 @@ pub enum Protocol {
 }
 
 impl Protocol {
+    /// The protocol of a list: which pairs count for registration recall. `None` for a list without
+    /// information matrices, which [`PairErrors::recall`](crate::PairErrors::recall) judges: a pair within
+    /// 15° and 0.3 m is registered, and all pairs count.
+    ///
+    /// Consecutive pairs are left out of the list of 3DMatch only. It is called `gt` in 3DMatch's own
+    /// release, and elsewhere has `3dmatch` in its name, in any case. Lists of other names are counted in
+    /// full.
+    ///
+    /// ```
+    /// use gmpcr_eval::Protocol;
+    ///
+    /// for name in ["gt", "3dmatch", "official_3DMatch"] {
+    ///     assert_eq!(Protocol::of_list(name, true), Some(Protocol::ThreeDMatch));
+    /// }
+    /// for name in ["3dlomatch", "gtLo", "office"] {
+    ///     assert_eq!(Protocol::of_list(name, true), Some(Protocol::ThreeDLoMatch));
+    /// }
+    /// assert_eq!(Protocol::of_list("gt", false), None);
+    /// ```
+    #[must_use]
+    pub fn of_list(name: &str, has_information: bool) -> Option<Self> {
+        let name = name.to_ascii_lowercase();
+        let is_of_3dmatch = name == "gt" || name.contains("3dmatch");
+        has_information.then_some(if is_of_3dmatch {
+            Self::ThreeDMatch
+        } else {
+            Self::ThreeDLoMatch
+        })
+    }
+
     /// Whether the pair (i, j) counts.
     #[must_use]
     pub fn counts(self, i: usize, j: usize) -> bool {
@@ -37,32 +69,31 @@ impl Protocol {
 /// A pair is registered where [`registration_error`] of its relative pose is at most
 /// [`RECALL_DISTANCE`]². Scans of different components, or without a pose, are not registered;
 /// pairs with `Ω₀₀ ≤ 0` cannot be judged, are named, and count as not registered. A common
-/// rigid motion of all poses changes nothing.
+/// transformation of all poses changes nothing.
 ///
 /// # Errors
 /// [`Error::NoSuchScan`] or [`Error::SamePair`] for a pair that names other scans than two of
 /// those that `poses` holds, whether it counts or not.
 ///
 /// ```
-/// use gmpcr_eval::{GroundTruthPair, Protocol, RotationSign, WorldPoses, registration_recall};
+/// use gmpcr_eval::{GroundTruthPair, Protocol, WorldPoses, registration_recall};
 /// use nalgebra::{Isometry3, Matrix6};
 ///
 /// let at = |x| Isometry3::translation(x, 0.0, 0.0);
 /// let pair = |i, j, x| GroundTruthPair { i, j, i_from_j: at(x), information: Matrix6::identity() };
 /// let poses = WorldPoses::of_one_frame(&[at(0.0), at(1.0), at(2.3)]);
-/// let truth = [pair(0, 1, 1.0), pair(0, 2, 2.0)];
-/// let lomatch = registration_recall(&truth, &poses, Protocol::ThreeDLoMatch, RotationSign::Benchmark)?;
-/// let threedmatch = registration_recall(&truth, &poses, Protocol::ThreeDMatch, RotationSign::Benchmark)?;
-/// assert_eq!((lomatch.share(), threedmatch.share()), (Some(0.5), Some(0.0)));
+/// let ground_truth = [pair(0, 1, 1.0), pair(0, 2, 2.0)];
+/// let lomatch = registration_recall(&ground_truth, &poses, Protocol::ThreeDLoMatch)?;
+/// let threedmatch = registration_recall(&ground_truth, &poses, Protocol::ThreeDMatch)?;
+/// assert_eq!((lomatch.ratio(), threedmatch.ratio()), (Some(0.5), Some(0.0)));
 /// # Ok::<(), gmpcr_eval::Error>(())
 /// ```
 pub fn registration_recall(
     pairs: &[GroundTruthPair],
     poses: &WorldPoses,
     protocol: Protocol,
-    sign: RotationSign,
 ) -> Result<Recall, Error> {
-    pairwise_recall(pairs, poses.num_scans(), protocol, sign, |i, j| {
+    pairwise_recall(pairs, poses.num_scans(), protocol, |i, j| {
         poses.i_from_j(i, j)
     })
 }
@@ -76,25 +107,29 @@ pub fn pairwise_recall(
     pairs: &[GroundTruthPair],
     num_scans: usize,
     protocol: Protocol,
-    sign: RotationSign,
     mut i_from_j: impl FnMut(usize, usize) -> Option<Isometry3<f64>>,
 ) -> Result<Recall, Error> {
     pairs
         .iter()
         .try_for_each(|pair| check_pair(pair.i, pair.j, num_scans))?;
     let counted = pairs.iter().filter(|pair| protocol.counts(pair.i, pair.j));
-    let outcomes = counted.map(|truth| PairOutcome {
-        i: truth.i,
-        j: truth.j,
-        outcome: judge(truth, i_from_j(truth.i, truth.j), sign),
+    let outcomes = counted.map(|pair| PairOutcome {
+        i: pair.i,
+        j: pair.j,
+        outcome: judge(pair, i_from_j(pair.i, pair.j)),
     });
     Ok(Recall::of(outcomes.collect()))
 }
 
-fn judge(truth: &GroundTruthPair, estimate: Option<Isometry3<f64>>, sign: RotationSign) -> Outcome {
-    let error_of = |motion| registration_error(&motion, &truth.i_from_j, &truth.information, sign);
-    // Asked of the truth itself, so that a pair without an estimate is judged alike.
-    if error_of(truth.i_from_j).is_none() {
+fn judge(ground_truth: &GroundTruthPair, estimate: Option<Isometry3<f64>>) -> Outcome {
+    let GroundTruthPair {
+        i_from_j: true_i_from_j,
+        information,
+        ..
+    } = ground_truth;
+    let error_of = |i_from_j| registration_error(&i_from_j, true_i_from_j, information);
+    // Asked of the ground truth itself, so that a pair without an estimate is judged alike.
+    if error_of(*true_i_from_j).is_none() {
         return Outcome::Unjudgeable;
     }
     match estimate.and_then(error_of) {

@@ -1,23 +1,25 @@
-//! Whether the most confident neighbours of a scan are those that overlap it most.
+//! Whether the most confident neighbors of a scan are those that overlap it most.
 
 use std::cmp::Ordering;
 
 use crate::pooling::mean_retrieval;
 
-/// How well confidences rank the neighbours of the scans.
+/// How well confidences rank the neighbors of the scans.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Retrieval {
-    /// Recall@K (R@K): share of the chosen neighbours that are among the true ones, between 0
+    /// Recall@K (R@K): fraction of the chosen neighbors that are among those of highest overlap, between 0
     /// and 1.
     pub recall: f64,
-    /// Mean true overlap that the choice gives away, at least 0; in the unit of the overlaps.
+    /// Mean overlap that the choice gives away, at least 0; in the unit of the overlaps.
     pub regret: f64,
 }
 
 /// R@K and Regret of one scene with the scans `0..num_scans`.
 ///
-/// Each scan chooses the K others of highest confidence, `N(i)`. The true choice `T(i)` are the K
-/// others of highest true overlap o. With K = min(`k`, n − 1),
+/// Each scan chooses the K others of highest confidence, `N(i)`. The best choice `T(i)` are the K
+/// others of highest overlap o. With K = min(`k`, n − 1),
 ///
 /// ```text
 /// R@K    = 1/n · Σ_i |N(i) ∩ T(i)| / K
@@ -76,7 +78,7 @@ struct Neighbor {
 
 fn retrieval_of_scan(mut neighbors: Vec<Neighbor>, k: usize) -> Retrieval {
     neighbors.sort_by(|a, b| descending(a.overlap, b.overlap).then(a.index.cmp(&b.index)));
-    let chosen = true_ranks_of_chosen(&neighbors, k);
+    let chosen = overlap_ranks_of_chosen(&neighbors, k);
     let hits = chosen.iter().filter(|&&rank| rank < k).count();
     // Best against best, second against second: no term is negative, not even by rounding.
     let pairs = neighbors.iter().zip(&chosen);
@@ -89,8 +91,8 @@ fn retrieval_of_scan(mut neighbors: Vec<Neighbor>, k: usize) -> Retrieval {
     }
 }
 
-/// Places of the `k` most confident neighbours in the list of the truly best, ascending.
-fn true_ranks_of_chosen(by_overlap: &[Neighbor], k: usize) -> Vec<usize> {
+/// Places of the `k` most confident neighbors in the list by overlap, ascending.
+fn overlap_ranks_of_chosen(by_overlap: &[Neighbor], k: usize) -> Vec<usize> {
     let mut ranks: Vec<usize> = (0..by_overlap.len()).collect();
     ranks.sort_by(|&a, &b| {
         let (a, b) = (&by_overlap[a], &by_overlap[b]);
@@ -125,7 +127,7 @@ mod tests {
 
     #[test]
     fn four_scans_are_judged_as_by_hand() {
-        // Chosen: {1, 3}, {2, 0}, {1, 3}, {0, 2}; true: {1, 2}, {0, 2}, {1, 0}, {1, 2}.
+        // Chosen: {1, 3}, {2, 0}, {1, 3}, {0, 2}; best: {1, 2}, {0, 2}, {1, 0}, {1, 2}.
         let confidence = upper([0.8, 0.1, 0.9, 0.7, 0.2, 0.3]);
         let found = retrieval(4, 2, confidence, upper(OVERLAP)).unwrap();
         assert_relative_eq!(found.recall, (0.5 + 1.0 + 0.5 + 0.5) / 4.0);

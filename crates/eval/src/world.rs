@@ -5,7 +5,7 @@ use nalgebra::Isometry3;
 use crate::error::{Error, check_length};
 
 /// The outcome of a multiview registration: a pose per scan, and a label per scan that says
-/// which scans hang together.
+/// which scans are connected.
 ///
 /// Scans with different labels, or without a pose, have no relative pose.
 ///

@@ -1,4 +1,4 @@
-//! The official 3DMatch and 3DLoMatch lists against the poses that they were made from.
+//! The official 3DMatch and 3DLoMatch lists against the poses that they were computed from.
 //!
 //! Needs a scene folder with `poses.txt` and `official_*.log/.info` below `$GMPCR_DATA`
 //! (default: `../shared/data` beside the workspace); says so and passes where there is none.
@@ -7,8 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gmpcr_eval::{
-    GroundTruthPair, PairErrors, Protocol, RotationSign, WorldPoses, information_matrix,
-    registration_recall,
+    GroundTruthPair, PairErrors, Protocol, WorldPoses, information_matrix, registration_recall,
 };
 use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, Rotation3, UnitQuaternion, Vector3};
 
@@ -30,13 +29,13 @@ fn numbers(line: &str) -> Vec<f64> {
         .collect()
 }
 
-/// A motion from the first three rows of its 4×4 matrix.
-fn motion(rows: &[f64]) -> Isometry3<f64> {
+/// A transformation from the first three rows of its 4×4 matrix.
+fn transformation(rows: &[f64]) -> Isometry3<f64> {
     let at = |row: usize, column: usize| rows[4 * row + column];
     let rotation = Rotation3::from_matrix(&Matrix3::from_fn(at));
-    let shift = Vector3::new(at(0, 3), at(1, 3), at(2, 3));
+    let translation = Vector3::new(at(0, 3), at(1, 3), at(2, 3));
     Isometry3::from_parts(
-        shift.into(),
+        translation.into(),
         UnitQuaternion::from_rotation_matrix(&rotation),
     )
 }
@@ -61,7 +60,7 @@ fn entries(path: &Path, rows: usize) -> Vec<Entry> {
     lines.chunks(rows + 1).map(entry).collect()
 }
 
-fn truth(scene: &Path, list: &str) -> Vec<GroundTruthPair> {
+fn ground_truth(scene: &Path, list: &str) -> Vec<GroundTruthPair> {
     let log = entries(&scene.join(format!("official_{list}.log")), 4);
     let info = entries(&scene.join(format!("official_{list}.info")), 6);
     assert_eq!(log.len(), info.len());
@@ -71,7 +70,7 @@ fn truth(scene: &Path, list: &str) -> Vec<GroundTruthPair> {
         GroundTruthPair {
             i,
             j,
-            i_from_j: motion(&rows),
+            i_from_j: transformation(&rows),
             information,
         }
     };
@@ -81,12 +80,12 @@ fn truth(scene: &Path, list: &str) -> Vec<GroundTruthPair> {
 fn poses(scene: &Path) -> Vec<Isometry3<f64>> {
     let text = fs::read_to_string(scene.join("poses.txt")).expect("readable poses");
     text.lines()
-        .map(|line| motion(&numbers(line)[1..]))
+        .map(|line| transformation(&numbers(line)[1..]))
         .collect()
 }
 
 #[test]
-fn true_poses_register_every_pair_of_the_official_lists() {
+fn ground_truth_poses_register_every_pair_of_the_official_lists() {
     let Some(data) = data() else { return };
     for scene in SCENES {
         let folder = data.join(scene);
@@ -95,9 +94,8 @@ fn true_poses_register_every_pair_of_the_official_lists() {
             ("3dmatch", Protocol::ThreeDMatch),
             ("3dlomatch", Protocol::ThreeDLoMatch),
         ] {
-            let pairs = truth(&folder, list);
-            let recall =
-                registration_recall(&pairs, &world, protocol, RotationSign::Benchmark).unwrap();
+            let pairs = ground_truth(&folder, list);
+            let recall = registration_recall(&pairs, &world, protocol).unwrap();
             let judged = recall.total - recall.unjudgeable.len();
             assert!(judged > 10, "{scene} {list}");
             assert_eq!(recall.registered, judged, "{scene} {list}");
@@ -112,20 +110,14 @@ fn true_poses_register_every_pair_of_the_official_lists() {
 }
 
 #[test]
-fn a_scan_that_is_one_metre_off_loses_its_pairs() {
+fn a_scan_that_is_one_meter_off_loses_its_pairs() {
     let Some(data) = data() else { return };
     let folder = data.join(SCENES[0]);
     let mut world_from_scan = poses(&folder);
     world_from_scan[7] *= Isometry3::translation(1.0, 0.0, 0.0);
     let world = WorldPoses::of_one_frame(&world_from_scan);
-    let pairs = truth(&folder, "3dlomatch");
-    let recall = registration_recall(
-        &pairs,
-        &world,
-        Protocol::ThreeDLoMatch,
-        RotationSign::Benchmark,
-    )
-    .unwrap();
+    let pairs = ground_truth(&folder, "3dlomatch");
+    let recall = registration_recall(&pairs, &world, Protocol::ThreeDLoMatch).unwrap();
     let with_scan = pairs
         .iter()
         .filter(|pair| pair.i == 7 || pair.j == 7)
@@ -138,7 +130,7 @@ fn a_scan_that_is_one_metre_off_loses_its_pairs() {
 #[test]
 fn official_matrices_have_the_form_of_a_sum_over_points() {
     let Some(data) = data() else { return };
-    for pair in truth(&data.join(SCENES[0]), "3dmatch") {
+    for pair in ground_truth(&data.join(SCENES[0]), "3dmatch") {
         let official = pair.information;
         let count = official.m11;
         let mean = Point3::new(official[(1, 5)], official[(2, 3)], official[(0, 4)]) / count;

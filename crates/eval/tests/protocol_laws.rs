@@ -4,31 +4,30 @@
 
 use approx::{assert_relative_eq, relative_eq};
 use gmpcr_eval::{
-    ConnectivitySummary, Gauge, GroundTruthPair, PairErrors, Protocol, Recall, Retrieval,
-    RotationSign, Spread, WorldPoses, absolute_errors, auc, information_matrix, mean_recall,
-    mean_retrieval, overlap_deciles, pairwise_recall, pooled_recall, pose_error,
-    registration_error, registration_recall, retrieval,
+    ConnectivitySummary, Gauge, GroundTruthPair, PairErrors, Protocol, Recall, Spread, WorldPoses,
+    absolute_errors, auc, information_matrix, mean_recall, mean_retrieval, overlap_deciles,
+    pairwise_recall, pooled_recall, pose_error, registration_error, registration_recall, retrieval,
 };
 use gmpcr_posegraph::Connectivity;
 use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 const BOTH: [Protocol; 2] = [Protocol::ThreeDMatch, Protocol::ThreeDLoMatch];
-const SIGNS: [RotationSign; 2] = [RotationSign::Benchmark, RotationSign::Conjugate];
 
 fn vector() -> impl Strategy<Value = Vector3<f64>> {
     prop::array::uniform3(-2.0..2.0_f64).prop_map(Vector3::from)
 }
 
-fn motion() -> impl Strategy<Value = Isometry3<f64>> {
-    (vector(), vector()).prop_map(|(shift, turn)| Isometry3::new(shift, turn))
+fn transformation() -> impl Strategy<Value = Isometry3<f64>> {
+    (vector(), vector()).prop_map(|(translation, rotation)| Isometry3::new(translation, rotation))
 }
 
-/// True poses, and estimates that are off by a few centimetres and degrees: some pairs pass each
+/// Poses of the ground truth, and estimates that are off by a few centimetres and degrees: some pairs pass each
 /// threshold, some do not.
-fn truth_and_estimate() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<Isometry3<f64>>)> {
+fn ground_truth_and_estimate() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<Isometry3<f64>>)>
+{
     let off = |pose: Isometry3<f64>, nudge| pose * Isometry3::identity().lerp_slerp(&nudge, 0.1);
-    prop::collection::vec((motion(), motion()), 3..7).prop_map(move |scans| {
+    prop::collection::vec((transformation(), transformation()), 3..7).prop_map(move |scans| {
         let estimate = scans.iter().map(|&(pose, nudge)| off(pose, nudge));
         let estimate = estimate.collect();
         (scans.into_iter().map(|scan| scan.0).collect(), estimate)
@@ -57,7 +56,7 @@ fn all_pairs(world_from_scan: &[Isometry3<f64>]) -> Vec<GroundTruthPair> {
 
 fn recall_of(pairs: &[GroundTruthPair], estimate: &[Isometry3<f64>], protocol: Protocol) -> Recall {
     let poses = WorldPoses::of_one_frame(estimate);
-    registration_recall(pairs, &poses, protocol, RotationSign::Benchmark).unwrap()
+    registration_recall(pairs, &poses, protocol).unwrap()
 }
 
 fn errors_of(pairs: &[GroundTruthPair], estimate: &[Isometry3<f64>]) -> PairErrors {
@@ -67,30 +66,30 @@ fn errors_of(pairs: &[GroundTruthPair], estimate: &[Isometry3<f64>]) -> PairErro
 proptest! {
     #[test]
     fn a_perfect_solution_is_perfect_in_every_protocol(
-        (truth, _) in truth_and_estimate(), gauge in motion(),
+        (ground_truth, _) in ground_truth_and_estimate(), gauge in transformation(),
     ) {
-        let solution: Vec<_> = truth.iter().map(|pose| gauge * pose).collect();
-        let (pairs, poses) = (all_pairs(&truth), WorldPoses::of_one_frame(&solution));
-        for (protocol, sign) in BOTH.into_iter().flat_map(|protocol| SIGNS.map(|sign| (protocol, sign))) {
-            let recall = registration_recall(&pairs, &poses, protocol, sign).unwrap();
-            prop_assert_eq!(recall.share(), Some(1.0));
+        let solution: Vec<_> = ground_truth.iter().map(|pose| gauge * pose).collect();
+        let (pairs, poses) = (all_pairs(&ground_truth), WorldPoses::of_one_frame(&solution));
+        for protocol in BOTH {
+            let recall = registration_recall(&pairs, &poses, protocol).unwrap();
+            prop_assert_eq!(recall.ratio(), Some(1.0));
         }
         let errors = errors_of(&pairs, &solution);
         prop_assert_eq!((errors.recall(), errors.num_missing()), (Some(1.0), 0));
-        let shares = errors.scannet_shares().unwrap();
-        prop_assert_eq!((shares.rotation, shares.translation), ([1.0; 5], [1.0; 5]));
-        for error in absolute_errors(&solution, &truth, Gauge::LeastSquares).unwrap() {
+        let ratios = errors.scannet_ratios().unwrap();
+        prop_assert_eq!((ratios.rotation, ratios.translation), ([1.0; 5], [1.0; 5]));
+        for error in absolute_errors(&solution, &ground_truth, Gauge::LeastSquares).unwrap() {
             prop_assert!(error.rotation < 1e-6 && error.translation < 1e-9);
         }
     }
 
     #[test]
-    fn a_common_motion_of_all_estimates_changes_no_error_of_a_pair(
-        (truth, estimate) in truth_and_estimate(), gauge in motion(),
+    fn a_common_transformation_of_all_estimates_changes_no_error_of_a_pair(
+        (ground_truth, estimate) in ground_truth_and_estimate(), gauge in transformation(),
     ) {
         let moved: Vec<_> = estimate.iter().map(|pose| gauge * pose).collect();
         let [plain, gauged] = [&estimate, &moved]
-            .map(|poses| PairErrors::of_all(&truth, &WorldPoses::of_one_frame(poses)).unwrap());
+            .map(|poses| PairErrors::of_all(&ground_truth, &WorldPoses::of_one_frame(poses)).unwrap());
         for (a, b) in plain.pairs.iter().zip(&gauged.pairs) {
             let (a, b) = (a.error.unwrap(), b.error.unwrap());
             prop_assert!(relative_eq!(a.rotation, b.rotation, epsilon = 1e-6));
@@ -99,10 +98,10 @@ proptest! {
     }
 
     #[test]
-    fn another_truth_of_one_pair_changes_exactly_that_pair(
-        (truth, estimate) in truth_and_estimate(), chosen in any::<prop::sample::Index>(),
+    fn another_ground_truth_of_one_pair_changes_exactly_that_pair(
+        (ground_truth, estimate) in ground_truth_and_estimate(), chosen in any::<prop::sample::Index>(),
     ) {
-        let pairs = all_pairs(&truth);
+        let pairs = all_pairs(&ground_truth);
         let chosen = chosen.index(pairs.len());
         let mut disturbed = pairs.clone();
         disturbed[chosen].i_from_j *= Isometry3::new(Vector3::x() * 9.0, Vector3::y() * 0.5);
@@ -116,12 +115,12 @@ proptest! {
 
     #[test]
     fn exchanging_the_estimates_of_two_scans_changes_exactly_their_pairs(
-        (truth, estimate) in truth_and_estimate(), a in 0..3_usize, step in 1..3_usize,
+        (ground_truth, estimate) in ground_truth_and_estimate(), a in 0..3_usize, step in 1..3_usize,
     ) {
         let b = (a + step) % 3;
         let mut exchanged = estimate.clone();
         exchanged.swap(a, b);
-        let pairs = all_pairs(&truth);
+        let pairs = all_pairs(&ground_truth);
         let recalls = [&estimate, &exchanged].map(|poses| recall_of(&pairs, poses, Protocol::ThreeDLoMatch));
         let errors = [&estimate, &exchanged].map(|poses| errors_of(&pairs, poses));
         for (place, pair) in pairs.iter().enumerate() {
@@ -133,14 +132,14 @@ proptest! {
 
     #[test]
     fn exactly_the_counted_pairs_without_information_are_unjudgeable(
-        (truth, _) in truth_and_estimate(), is_empty in prop::collection::vec(any::<bool>(), 21),
+        (ground_truth, _) in ground_truth_and_estimate(), is_empty in prop::collection::vec(any::<bool>(), 21),
     ) {
-        let mut pairs = all_pairs(&truth);
+        let mut pairs = all_pairs(&ground_truth);
         for (pair, _) in pairs.iter_mut().zip(&is_empty).filter(|(_, is_empty)| **is_empty) {
             pair.information = Matrix6::zeros();
         }
         for protocol in BOTH {
-            let recall = recall_of(&pairs, &truth, protocol);
+            let recall = recall_of(&pairs, &ground_truth, protocol);
             let counted = pairs.iter().filter(|pair| protocol.counts(pair.i, pair.j));
             let empty = counted.filter(|pair| pair.information.m11 == 0.0).map(|pair| (pair.i, pair.j));
             prop_assert_eq!(&recall.unjudgeable, &empty.collect::<Vec<_>>());
@@ -149,37 +148,35 @@ proptest! {
     }
 
     #[test]
-    fn the_protocols_agree_where_they_judge_the_same((truth, estimate) in truth_and_estimate()) {
-        let (pairs, poses) = (all_pairs(&truth), WorldPoses::of_one_frame(&estimate));
+    fn the_protocols_agree_where_they_judge_the_same((ground_truth, estimate) in ground_truth_and_estimate()) {
+        let (pairs, poses) = (all_pairs(&ground_truth), WorldPoses::of_one_frame(&estimate));
         let listed = PairErrors::of_pairs(&pairs, &poses).unwrap();
-        prop_assert_eq!(&listed, &PairErrors::of_all(&truth, &poses).unwrap());
+        prop_assert_eq!(&listed, &PairErrors::of_all(&ground_truth, &poses).unwrap());
         prop_assert_eq!(listed.recall(), listed.recall_within(15_f64.to_radians(), 0.3));
-        let shares = listed.scannet_shares().unwrap();
-        prop_assert!(shares.rotation.is_sorted() && shares.translation.is_sorted());
-        prop_assert!(shares.rotation[3] >= listed.recall().unwrap());
+        let ratios = listed.scannet_ratios().unwrap();
+        prop_assert!(ratios.rotation.is_sorted() && ratios.translation.is_sorted());
+        prop_assert!(ratios.rotation[3] >= listed.recall().unwrap());
 
         let threedmatch = recall_of(&pairs, &estimate, Protocol::ThreeDMatch);
         let distant: Vec<_> = pairs.iter().copied().filter(|pair| pair.j > pair.i + 1).collect();
         prop_assert_eq!(&threedmatch, &recall_of(&distant, &estimate, Protocol::ThreeDLoMatch));
         let estimate_of = |i: usize, j: usize| Some(estimate[i].inv_mul(&estimate[j]));
         let pairwise = pairwise_recall(
-            &pairs, truth.len(), Protocol::ThreeDMatch, RotationSign::Benchmark, estimate_of,
+            &pairs, ground_truth.len(), Protocol::ThreeDMatch, estimate_of,
         );
         prop_assert_eq!(&threedmatch, &pairwise.unwrap());
-        prop_assert_eq!(mean_recall(std::slice::from_ref(&threedmatch)), threedmatch.share());
-        prop_assert_eq!(pooled_recall(std::slice::from_ref(&threedmatch)), threedmatch.share());
+        prop_assert_eq!(mean_recall(std::slice::from_ref(&threedmatch)), threedmatch.ratio());
+        prop_assert_eq!(pooled_recall(std::slice::from_ref(&threedmatch)), threedmatch.ratio());
     }
 
     #[test]
-    fn without_a_turn_the_registration_error_is_the_squared_translation_error(
-        truth in motion(), shift in vector(),
+    fn without_a_rotation_the_registration_error_is_the_squared_translation_error(
+        ground_truth in transformation(), translation in vector(),
     ) {
-        let estimate = truth * Isometry3::from_parts(shift.into(), UnitQuaternion::identity());
-        let translation = pose_error(&estimate, &truth).translation;
-        for sign in SIGNS {
-            let error = registration_error(&estimate, &truth, &information(), sign).unwrap();
-            prop_assert!(relative_eq!(error, translation.powi(2), epsilon = 1e-9));
-        }
+        let estimate = ground_truth * Isometry3::from_parts(translation.into(), UnitQuaternion::identity());
+        let distance = pose_error(&estimate, &ground_truth).translation;
+        let error = registration_error(&estimate, &ground_truth, &information()).unwrap();
+        prop_assert!(relative_eq!(error, distance.powi(2), epsilon = 1e-9));
     }
 }
 
@@ -223,23 +220,22 @@ fn scene() -> impl Strategy<Value = (PairValues, PairValues, Vec<usize>)> {
     })
 }
 
-fn retrieve(confidence: &PairValues, overlap: &PairValues, size: usize, k: usize) -> Retrieval {
-    retrieval(
+/// R@K and Regret.
+type Figures = (f64, f64);
+
+fn retrieve(confidence: &PairValues, overlap: &PairValues, size: usize, k: usize) -> Figures {
+    let found = retrieval(
         size,
         k,
         |i, j| confidence.get(i, j),
         |i, j| overlap.get(i, j),
-    )
-    .unwrap()
+    );
+    let found = found.unwrap();
+    (found.recall, found.regret)
 }
 
 /// R@K and Regret by counting, for each scan, how many others are better.
-fn slow_retrieval(
-    confidence: &PairValues,
-    overlap: &PairValues,
-    size: usize,
-    k: usize,
-) -> Retrieval {
+fn slow_retrieval(confidence: &PairValues, overlap: &PairValues, size: usize, k: usize) -> Figures {
     let k = k.min(size - 1);
     let top = |values: &PairValues, scan: usize| -> Vec<usize> {
         let value = |other: usize| values.get(scan.min(other), scan.max(other));
@@ -260,25 +256,21 @@ fn slow_retrieval(
         given_away += sum(&best) - sum(&chosen);
     }
     let count = (size * k) as f64;
-    Retrieval {
-        recall: hits as f64 / count,
-        regret: given_away / count,
-    }
+    (hits as f64 / count, given_away / count)
 }
 
-fn same_retrieval(a: &Retrieval, b: &Retrieval) -> bool {
-    relative_eq!(a.recall, b.recall, epsilon = 1e-12)
-        && relative_eq!(a.regret, b.regret, epsilon = 1e-12)
+fn are_same(a: Figures, b: Figures) -> bool {
+    relative_eq!(a.0, b.0, epsilon = 1e-12) && relative_eq!(a.1, b.1, epsilon = 1e-12)
 }
 
 proptest! {
     #[test]
     fn retrieval_equals_its_definition((confidence, overlap, order) in scene(), k in 1..9_usize) {
         let found = retrieve(&confidence, &overlap, order.len(), k);
-        prop_assert!(same_retrieval(&found, &slow_retrieval(&confidence, &overlap, order.len(), k)));
-        prop_assert!((0.0..=1.0).contains(&found.recall) && found.regret >= 0.0);
+        prop_assert!(are_same(found, slow_retrieval(&confidence, &overlap, order.len(), k)));
+        prop_assert!((0.0..=1.0).contains(&found.0) && found.1 >= 0.0);
         // Without ties another choice is a worse one.
-        prop_assert_eq!(found.recall == 1.0, found.regret == 0.0);
+        prop_assert_eq!(found.0 == 1.0, found.1 == 0.0);
     }
 
     #[test]
@@ -287,14 +279,14 @@ proptest! {
     ) {
         let overlap = PairValues(values.into_iter().map(f64::from).collect());
         let found = retrieve(&overlap, &overlap, size, k);
-        prop_assert_eq!(found, Retrieval { recall: 1.0, regret: 0.0 });
+        prop_assert_eq!(found, (1.0, 0.0));
     }
 
     #[test]
     fn renumbering_the_scans_changes_no_retrieval((confidence, overlap, order) in scene(), k in 1..9_usize) {
         let plain = retrieve(&confidence, &overlap, order.len(), k);
         let (confidence, overlap) = (confidence.renumbered(&order), overlap.renumbered(&order));
-        prop_assert!(same_retrieval(&plain, &retrieve(&confidence, &overlap, order.len(), k)));
+        prop_assert!(are_same(plain, retrieve(&confidence, &overlap, order.len(), k)));
     }
 
     #[test]
@@ -309,8 +301,8 @@ proptest! {
         let percent = PairValues(overlap.0.iter().map(|overlap| 100.0 * overlap).collect());
         let plain = retrieve(&confidence, &overlap, order.len(), k);
         let scaled = retrieve(&confidence, &percent, order.len(), k);
-        let expected = Retrieval { regret: 100.0 * plain.regret, ..plain };
-        prop_assert!(same_retrieval(&scaled, &expected));
+        let expected = (plain.0, 100.0 * plain.1);
+        prop_assert!(are_same(scaled, expected));
     }
 
     #[test]
@@ -333,7 +325,7 @@ proptest! {
 }
 
 /// Scores with many ties, and labels of both kinds.
-fn labelled_scores() -> impl Strategy<Value = (Vec<f64>, Vec<bool>)> {
+fn labeled_scores() -> impl Strategy<Value = (Vec<f64>, Vec<bool>)> {
     prop::collection::vec((-4..5_i8, any::<bool>()), 0..24).prop_map(|mut samples| {
         samples.extend([(0, true), (1, false)]);
         samples
@@ -347,7 +339,7 @@ fn area(scores: &[f64], labels: &[bool]) -> f64 {
     auc(scores, labels).unwrap().unwrap()
 }
 
-/// The share of the comparisons that positives win, one by one.
+/// The ratio of the comparisons that positives win, one by one.
 fn slow_area(scores: &[f64], labels: &[bool]) -> f64 {
     let of_kind = |kind: bool| {
         scores
@@ -370,12 +362,12 @@ fn slow_area(scores: &[f64], labels: &[bool]) -> f64 {
 
 proptest! {
     #[test]
-    fn the_area_equals_its_definition((scores, labels) in labelled_scores()) {
+    fn the_area_equals_its_definition((scores, labels) in labeled_scores()) {
         prop_assert_eq!(area(&scores, &labels), slow_area(&scores, &labels));
     }
 
     #[test]
-    fn negated_scores_or_labels_give_the_complement((scores, labels) in labelled_scores()) {
+    fn negated_scores_or_labels_give_the_complement((scores, labels) in labeled_scores()) {
         let complement = 1.0 - area(&scores, &labels);
         let negated: Vec<_> = scores.iter().map(|score| -score).collect();
         let opposite: Vec<_> = labels.iter().map(|label| !label).collect();
@@ -384,7 +376,7 @@ proptest! {
     }
 
     #[test]
-    fn only_the_order_of_the_scores_counts((scores, labels) in labelled_scores()) {
+    fn only_the_order_of_the_scores_counts((scores, labels) in labeled_scores()) {
         let increasing: Vec<_> = scores.iter().map(|score| score.powi(3) + 2.0).collect();
         prop_assert_eq!(area(&scores, &labels), area(&increasing, &labels));
     }
@@ -428,15 +420,15 @@ proptest! {
     }
 
     #[test]
-    fn a_spread_moves_and_scales_with_its_values(
-        values in prop::collection::vec(-5.0..5.0_f64, 1..20), factor in 0.1..9.0_f64, shift in -9.0..9.0_f64,
+    fn a_spread_follows_offset_and_factor_of_its_values(
+        values in prop::collection::vec(-5.0..5.0_f64, 1..20), factor in 0.1..9.0_f64, offset in -9.0..9.0_f64,
     ) {
         let plain = Spread::of(&values).unwrap();
-        let mapped: Vec<_> = values.iter().map(|value| factor * value + shift).collect();
+        let mapped: Vec<_> = values.iter().map(|value| factor * value + offset).collect();
         let mapped = Spread::of(&mapped).unwrap();
-        prop_assert!(relative_eq!(mapped.mean, factor * plain.mean + shift, epsilon = 1e-10));
+        prop_assert!(relative_eq!(mapped.mean, factor * plain.mean + offset, epsilon = 1e-10));
         prop_assert!(relative_eq!(mapped.std_dev, factor * plain.std_dev, epsilon = 1e-10));
-        prop_assert_eq!((mapped.min, mapped.max), (factor * plain.min + shift, factor * plain.max + shift));
+        prop_assert_eq!((mapped.min, mapped.max), (factor * plain.min + offset, factor * plain.max + offset));
         prop_assert!(plain.min <= plain.mean + 1e-12 && plain.mean <= plain.max + 1e-12);
         prop_assert!(plain.std_dev <= plain.max - plain.min);
     }
@@ -448,7 +440,7 @@ fn each_scene_weighs_the_same_in_a_mean_retrieval() {
     let small = retrieval(2, 1, |_, _| 0.0, |_, _| 0.3).unwrap();
     let overlap = PairValues(vec![0.2, 0.4, 0.6]);
     let confidence = PairValues(vec![0.9, 0.5, 0.1]);
-    let large = retrieve(&confidence, &overlap, 3, 1);
+    let large = retrieval(3, 1, |i, j| confidence.get(i, j), |i, j| overlap.get(i, j)).unwrap();
     // Chosen 1, 0, 0; true 2, 2, 1.
     assert_eq!(large.recall, 0.0);
     assert_relative_eq!(large.regret, (0.2 + 0.4 + 0.2) / 3.0, epsilon = 1e-15);

@@ -2,14 +2,14 @@
 //!
 //! `cargo run --release -p gmpcr-sim --example statistics [seed] [scans] [rooms]`
 
+use std::error::Error;
 use std::time::Instant;
 
-use gmpcr_sim::{
-    Error, RoomParams, Scene, SimParams, SimulatedScans, overlap_components, overlap_matrix,
-    simulate, thin,
-};
+use gmpcr_eval::overlap_matrix;
+use gmpcr_posegraph::Connectivity;
+use gmpcr_sim::{RoomParams, SimParams, SimulatedScans, simulate};
 
-fn main() -> Result<(), Error> {
+fn main() -> Result<(), Box<dyn Error>> {
     let argument = |k: usize| std::env::args().nth(k).and_then(|text| text.parse().ok());
     let default = SimParams::default();
     let num_rooms = argument(3).unwrap_or(default.room.num_rooms);
@@ -22,17 +22,13 @@ fn main() -> Result<(), Error> {
         },
         ..default
     };
-    let solids = Scene::furnished_room(params.seed, &params.room)?
-        .primitives()
-        .len();
-    println!("seed {}: {num_rooms} rooms, {solids} solids", params.seed);
+    println!("seed {}: {num_rooms} rooms", params.seed);
 
     let start = Instant::now();
     let scans = simulate(&params)?;
     println!("{} scans in {:.2?}", scans.clouds.len(), start.elapsed());
     report_points(&scans);
-    report_overlaps(&scans);
-    Ok(())
+    report_overlaps(&scans, 1.5 * params.voxel)
 }
 
 fn report_points(scans: &SimulatedScans) {
@@ -47,34 +43,22 @@ fn report_points(scans: &SimulatedScans) {
     );
 }
 
-/// Counts pairs by the overlap of clouds thinned to 2.5 cm, within 3.75 cm.
-fn report_overlaps(scans: &SimulatedScans) {
-    let clouds = scans
-        .clouds
-        .iter()
-        .map(|cloud| thin(cloud, 0.025))
-        .collect();
-    let thinned = SimulatedScans {
-        clouds,
-        world_from_scan: scans.world_from_scan.clone(),
-    };
+/// Counts pairs by their overlap within a radius.
+fn report_overlaps(scans: &SimulatedScans, radius: f64) -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
-    let overlap = overlap_matrix(&thinned, 0.0375);
+    let overlap = overlap_matrix(&scans.clouds, &scans.world_from_scan, radius)?;
     println!("all overlaps in {:.2?}", start.elapsed());
 
     let size = scans.clouds.len();
-    let pairs: Vec<f64> = (0..size)
-        .flat_map(|i| (i + 1..size).map(move |j| (i, j)))
-        .map(|p| overlap[p])
-        .collect();
-    let share = |low: f64, high: f64| {
-        let count = pairs.iter().filter(|&&x| low <= x && x < high).count();
-        format!(
-            "{count} ({:.0} %)",
-            100.0 * count as f64 / pairs.len().max(1) as f64
-        )
+    let pairs = || (0..size).flat_map(|i| (i + 1..size).map(move |j| (i, j)));
+    let num_pairs = pairs().count();
+    let counted = |low: f64, high: f64| {
+        let is_within = |pair: &(usize, usize)| low <= overlap[*pair] && overlap[*pair] < high;
+        let count = pairs().filter(is_within).count();
+        let percent = 100.0 * count as f64 / num_pairs.max(1) as f64;
+        format!("{count} ({percent:.0} %)")
     };
-    println!("pairs: {}", pairs.len());
+    println!("pairs: {}", num_pairs);
     for (low, high) in [
         (0.7, 1.1),
         (0.5, 0.7),
@@ -83,15 +67,16 @@ fn report_overlaps(scans: &SimulatedScans) {
         (0.001, 0.1),
         (0.0, 0.001),
     ] {
-        println!("  overlap {low:.3} .. {high:.3}: {}", share(low, high));
+        println!("  overlap {low:.3} .. {high:.3}: {}", counted(low, high));
     }
     let consecutive: Vec<String> = (1..size)
         .map(|k| format!("{:.0}", 100.0 * overlap[(k - 1, k)]))
         .collect();
     println!("consecutive, in percent: {}", consecutive.join(" "));
     for limit in [0.3, 0.1] {
-        let labels = overlap_components(&overlap, limit);
-        let count = labels.iter().max().map_or(0, |last| last + 1);
+        let edges: Vec<_> = pairs().filter(|&pair| overlap[pair] >= limit).collect();
+        let count = Connectivity::new(size, &edges, 0).num_components;
         println!("components at overlap {limit}: {count}");
     }
+    Ok(())
 }

@@ -34,7 +34,7 @@ impl Bounds {
         size.x * size.y + size.y * size.z + size.z * size.x
     }
 
-    fn centre(&self) -> Vector3<f64> {
+    fn center(&self) -> Vector3<f64> {
         (self.min + self.max) / 2.0
     }
 
@@ -184,7 +184,7 @@ fn growing_cost(boxes: impl Iterator<Item = Bounds>) -> Vec<f64> {
 
 fn sort_along(bounds: &[Bounds], order: &mut [usize], axis: usize) {
     order.sort_by(|&a, &b| {
-        let along = |k: usize| bounds[k].centre()[axis];
+        let along = |k: usize| bounds[k].center()[axis];
         along(a).total_cmp(&along(b)).then(a.cmp(&b))
     });
 }
@@ -202,7 +202,7 @@ fn nearer_last(left: Branch, right: Branch) -> [Branch; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{Stream, generator, rigid_motion, uniform};
+    use crate::random::{Stream, generator, rigid_transformation, uniform};
     use nalgebra::Point3;
 
     fn slow_hit(primitives: &[Primitive], ray: &Ray, limit: f64) -> Option<f64> {
@@ -220,19 +220,19 @@ mod tests {
         for size in [0, 1, 2, 5, 60] {
             let primitives: Vec<Primitive> = (0..size)
                 .map(|k| {
-                    let place = rigid_motion(&mut rng, 2.0);
+                    let place = rigid_transformation(&mut rng, 2.0);
                     let size = uniform(&mut rng, 0.05, 0.6);
                     match k % 3 {
                         0 => Primitive::oriented_box(Vector3::new(size, 0.2, 0.4), place),
                         1 => Primitive::sphere(place.translation.vector.into(), size),
-                        _ => Primitive::rectangle(nalgebra::Vector2::new(size, 0.5), place),
+                        _ => Primitive::oriented_box(Vector3::new(size, 0.5, 0.0), place),
                     }
                 })
                 .collect();
             let tree = Bvh::new(&primitives);
             for _ in 0..500 {
-                let origin = Point3::from(rigid_motion(&mut rng, 3.0).translation.vector);
-                let direction = rigid_motion(&mut rng, 1.0) * Vector3::x_axis();
+                let origin = Point3::from(rigid_transformation(&mut rng, 3.0).translation.vector);
+                let direction = rigid_transformation(&mut rng, 1.0) * Vector3::x_axis();
                 let ray = Ray { origin, direction };
                 let fast = tree
                     .first_hit(&primitives, &ray, 5.0)
@@ -244,8 +244,8 @@ mod tests {
 
     #[test]
     fn a_ray_along_a_face_of_a_bounding_box_still_hits() {
-        let size = nalgebra::Vector2::new(2.0, 2.0);
-        let floor = Primitive::rectangle(size, nalgebra::Isometry3::identity());
+        let size = Vector3::new(2.0, 2.0, 0.0);
+        let floor = Primitive::oriented_box(size, nalgebra::Isometry3::identity());
         let tree = Bvh::new(&[floor]);
         for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0)] {
             for (z, direction) in [(-1.0, Vector3::z_axis()), (1.0, -Vector3::z_axis())] {

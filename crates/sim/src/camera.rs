@@ -3,28 +3,13 @@
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use rand::{Rng, RngExt};
 
-use crate::error::{Error, check_count, check_range};
+use crate::error::{InvalidParameter, check_count, check_range};
 use crate::noise::DepthNoise;
 use crate::random::gaussian_pair;
 use crate::ray::Ray;
 use crate::scene::Scene;
 
 /// A pinhole depth camera: x to the right, y down, z forward, the sensor at the origin.
-///
-/// ```
-/// use gmpcr_sim::{DepthCamera, DepthNoise, Primitive, Scene};
-/// use nalgebra::{Isometry3, Vector2};
-/// use rand::SeedableRng;
-///
-/// let wall = Primitive::rectangle(Vector2::new(9.0, 9.0), Isometry3::translation(0.0, 0.0, 2.0));
-/// let scene = Scene::new(vec![wall])?;
-/// let camera = DepthCamera { noise: DepthNoise::none(), ..DepthCamera::default() };
-/// let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
-/// let points = camera.scan(&scene, &Isometry3::identity(), &mut rng);
-/// assert_eq!(points.len(), 160 * 120);
-/// assert!(points.iter().all(|p| (p.z - 2.0).abs() < 1e-9));
-/// # Ok::<(), gmpcr_sim::Error>(())
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthCamera {
     /// Pixels per row. Default 160.
@@ -33,9 +18,9 @@ pub struct DepthCamera {
     pub height: usize,
     /// Angle between the left and the right edge of the image, in radians. Default 60°.
     pub horizontal_fov: f64,
-    /// Smallest depth z that is measured, in metres. Default 0.4.
+    /// Smallest depth z that is measured, in meters. Default 0.4.
     pub min_range: f64,
-    /// Largest depth z that is measured, in metres. Default 4.5.
+    /// Largest depth z that is measured, in meters. Default 4.5.
     pub max_range: f64,
     /// How the depths err.
     pub noise: DepthNoise,
@@ -59,8 +44,7 @@ impl DepthCamera {
     /// return nothing are left out.
     ///
     /// A camera without pixels, or with parameters that are not numbers, sees nothing.
-    #[must_use]
-    pub fn scan(
+    pub(crate) fn scan(
         &self,
         scene: &Scene,
         world_from_camera: &Isometry3<f64>,
@@ -89,11 +73,11 @@ impl DepthCamera {
         let z = self.depth(looks_at, scene, world_from_camera)?;
         let measured = self
             .noise
-            .quantised(z + self.noise.axial_sigma(z) * errors.axial);
+            .quantized(z + self.noise.axial_sigma(z) * errors.axial);
         (!errors.dropped).then(|| Point3::from(measured * self.direction(pixel)))
     }
 
-    /// True depth along the optical axis in the direction of `pixel`.
+    /// Exact depth along the optical axis in the direction of `pixel`.
     fn depth(
         &self,
         pixel: (f64, f64),
@@ -115,10 +99,10 @@ impl DepthCamera {
     /// Direction of an image position in the camera's frame, with unit z.
     pub(crate) fn direction(&self, pixel: (f64, f64)) -> Vector3<f64> {
         let focal = self.focal_length();
-        let centre = (self.width as f64 / 2.0, self.height as f64 / 2.0);
+        let center = (self.width as f64 / 2.0, self.height as f64 / 2.0);
         Vector3::new(
-            (pixel.0 - centre.0) / focal,
-            (pixel.1 - centre.1) / focal,
+            (pixel.0 - center.0) / focal,
+            (pixel.1 - center.1) / focal,
             1.0,
         )
     }
@@ -137,17 +121,28 @@ impl DepthCamera {
         self.width as f64 / 2.0 / (self.horizontal_fov / 2.0).tan()
     }
 
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        check_count("camera width", self.width)?;
-        check_count("camera height", self.height)?;
-        check_range("horizontal_fov", self.horizontal_fov, 0.1, 2.8)?;
-        check_range("min_range", self.min_range, 0.0, 100.0)?;
-        check_range("max_range", self.max_range, self.min_range, 100.0)?;
-        self.noise.check()
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// The first parameter that is out of range.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        check_count("width", self.width)?;
+        check_count("height", self.height)?;
+        let angles = 0.1..=2.8;
+        check_range(
+            "horizontal_fov",
+            self.horizontal_fov,
+            angles,
+            "in [0.1, 2.8]",
+        )?;
+        check_range("min_range", self.min_range, 0.0..=100.0, "in [0, 100]")?;
+        let depths = self.min_range..=100.0;
+        check_range("max_range", self.max_range, depths, "in [min_range, 100]")?;
+        self.noise.validate().map_err(|e| e.within("noise"))
     }
 }
 
-/// What goes wrong at one pixel. Drawn for every pixel, also where nothing is seen, so that a
+/// The errors at one pixel. Drawn for every pixel, also where nothing is seen, so that a
 /// change of the scene leaves the noise of the other pixels alone.
 struct PixelErrors {
     lateral: (f64, f64),
@@ -170,14 +165,17 @@ impl PixelErrors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::RoomParams;
+    use crate::building::{Building, RoomParams};
     use crate::primitive::Primitive;
-    use crate::random::{Stream, generator, rigid_motion};
-    use nalgebra::{Vector2, distance};
+    use crate::random::{Stream, generator, rigid_transformation};
+    use nalgebra::distance;
 
     fn wall_at(z: f64) -> Scene {
         let place = Isometry3::translation(0.0, 0.0, z);
-        Scene::new(vec![Primitive::rectangle(Vector2::new(20.0, 20.0), place)]).unwrap()
+        Scene::new(vec![Primitive::oriented_box(
+            Vector3::new(20.0, 20.0, 0.0),
+            place,
+        )])
     }
 
     fn depth_spread(z: f64) -> f64 {
@@ -201,7 +199,7 @@ mod tests {
 
     #[test]
     fn noise_free_points_lie_on_a_surface() {
-        let scene = Scene::furnished_room(4, &RoomParams::default()).unwrap();
+        let scene = Building::generate(4, &RoomParams::default()).scene;
         let camera = DepthCamera {
             noise: DepthNoise::none(),
             ..DepthCamera::default()
@@ -209,7 +207,7 @@ mod tests {
         let mut rng = generator(9, Stream::World);
         let eye = Isometry3::translation(2.0, 2.0, 1.4);
         for _ in 0..8 {
-            let world_from_camera = eye * rigid_motion(&mut rng, 0.1);
+            let world_from_camera = eye * rigid_transformation(&mut rng, 0.1);
             for point in camera.scan(&scene, &world_from_camera, &mut rng) {
                 let world = world_from_camera * point;
                 let nearest = scene
@@ -223,16 +221,20 @@ mod tests {
 
     #[test]
     fn moving_scene_and_camera_together_leaves_the_scan_unchanged() {
-        let scene = Scene::furnished_room(4, &RoomParams::default()).unwrap();
+        let scene = Building::generate(4, &RoomParams::default()).scene;
         let camera = DepthCamera {
             noise: DepthNoise::none(),
             ..DepthCamera::default()
         };
-        let motion = rigid_motion(&mut generator(1, Stream::World), 5.0);
+        let transformation = rigid_transformation(&mut generator(1, Stream::World), 5.0);
         let eye = Isometry3::translation(2.0, 2.0, 1.4);
         let mut rng = generator(3, Stream::World);
         let still = camera.scan(&scene, &eye, &mut rng.clone());
-        let moved = camera.scan(&scene.moved(&motion), &(motion * eye), &mut rng);
+        let moved = camera.scan(
+            &scene.moved(&transformation),
+            &(transformation * eye),
+            &mut rng,
+        );
         assert!(still.len() > 1000);
         assert_eq!(still.len(), moved.len());
         let agree = still
@@ -270,8 +272,8 @@ mod tests {
     fn surfaces_at_grazing_angles_return_nothing() {
         let floor = Isometry3::rotation(Vector3::x() * std::f64::consts::FRAC_PI_2);
         let place = Isometry3::translation(0.0, 0.2, 0.0) * floor;
-        let rectangle = Primitive::rectangle(Vector2::new(20.0, 20.0), place);
-        let scene = Scene::new(vec![rectangle]).unwrap();
+        let floor = Primitive::oriented_box(Vector3::new(20.0, 20.0, 0.0), place);
+        let scene = Scene::new(vec![floor]);
         let mut rng = generator(2, Stream::World);
         let noise = DepthNoise {
             grazing_limit: 70.0_f64.to_radians(),

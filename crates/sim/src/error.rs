@@ -1,35 +1,17 @@
-//! What can be wrong with the parameters of a simulation.
+//! What can be invalid about the parameters of a simulation.
 
+use std::ops::RangeInclusive;
+
+pub use gmpcr_geometry::InvalidParameter;
 use thiserror::Error;
 
-/// Why a scene or its scans could not be made.
+/// Why scans or a pose graph could not be simulated.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A count that must be at least one is zero.
-    #[error("{name} is 0; at least 1 is needed")]
-    Zero {
-        /// The parameter.
-        name: &'static str,
-    },
-    /// A parameter lies outside its range, or is not a number.
-    #[error("{name} is {value}; it must lie in {min}..={max}")]
-    OutOfRange {
-        /// The parameter.
-        name: &'static str,
-        /// The value found.
-        value: f64,
-        /// Smallest admissible value.
-        min: f64,
-        /// Largest admissible value.
-        max: f64,
-    },
-    /// A solid whose size is negative or whose size or place is not finite.
-    #[error("primitive {index} has a negative or non-finite size or place")]
-    BadPrimitive {
-        /// Its place in the list.
-        index: usize,
-    },
+    /// A parameter is out of range.
+    #[error(transparent)]
+    Parameter(#[from] InvalidParameter),
     /// No viewpoint was found that keeps clear of the furniture and sees enough.
     #[error("no usable viewpoint for scan {scan} in {attempts} attempts")]
     NoViewpoint {
@@ -40,28 +22,17 @@ pub enum Error {
     },
 }
 
-/// `Ok` where `value` is a number in `min..=max`.
-pub(crate) fn check_range(name: &'static str, value: f64, min: f64, max: f64) -> Result<(), Error> {
-    if (min..=max).contains(&value) {
-        Ok(())
-    } else {
-        Err(Error::OutOfRange {
-            name,
-            value,
-            min,
-            max,
-        })
-    }
+/// `Ok` where `value` is a number of the range.
+pub(crate) fn check_range(
+    name: &str,
+    value: f64,
+    range: RangeInclusive<f64>,
+    allowed: &'static str,
+) -> Result<(), InvalidParameter> {
+    InvalidParameter::check(range.contains(&value), name, value, allowed)
 }
 
-/// Largest admissible count of anything.
-const MAX_COUNT: f64 = 1e6;
-
 /// `Ok` where `count` is at least one and not absurdly large.
-pub(crate) fn check_count(name: &'static str, count: usize) -> Result<(), Error> {
-    if count == 0 {
-        Err(Error::Zero { name })
-    } else {
-        check_range(name, count as f64, 1.0, MAX_COUNT)
-    }
+pub(crate) fn check_count(name: &str, count: usize) -> Result<(), InvalidParameter> {
+    check_range(name, count as f64, 1.0..=1e6, "in [1, 1e6]")
 }

@@ -1,27 +1,19 @@
 //! How a depth camera errs.
 
-use crate::error::{Error, check_range};
+use crate::error::{InvalidParameter, check_range};
 
 /// Noise of a structured-light or stereo depth camera, per pixel.
 ///
 /// The depth z along the optical axis is measured as `z + σ(z) · N(0, 1)` with
 /// `σ(z) = axial_floor + axial_growth · (z − axial_start)²`
 /// (Nguyen, Izadi, Lovell: Modeling Kinect sensor noise, 3DIMPVT 2012).
-///
-/// ```
-/// use gmpcr_sim::DepthNoise;
-///
-/// let noise = DepthNoise::default();
-/// assert!((noise.axial_sigma(2.4) - 0.0088).abs() < 1e-12);
-/// assert_eq!(DepthNoise::none().axial_sigma(2.4), 0.0);
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthNoise {
-    /// Standard deviation at `axial_start`, in metres. Default 0.0012.
+    /// Standard deviation at `axial_start`, in meters. Default 0.0012.
     pub axial_floor: f64,
     /// Growth of the standard deviation with squared depth, in 1/m. Default 0.0019.
     pub axial_growth: f64,
-    /// Depth of the least noise, in metres. Default 0.4.
+    /// Depth of the least noise, in meters. Default 0.4.
     pub axial_start: f64,
     /// Depths are rounded to multiples of `depth_step · z²`, in 1/m; 0 keeps them continuous.
     /// A Kinect has about 0.0028 (Khoshelham and Elberink, Sensors 2012). Default 0.
@@ -32,7 +24,7 @@ pub struct DepthNoise {
     /// Surfaces seen at more than this angle from their normal return nothing, in radians.
     /// Default 80°.
     pub grazing_limit: f64,
-    /// Share of the pixels that return nothing for no reason. Default 0.01.
+    /// Fraction of the pixels that return nothing for no reason. Default 0.01.
     pub dropout: f64,
 }
 
@@ -52,8 +44,8 @@ impl Default for DepthNoise {
 
 impl DepthNoise {
     /// A perfect camera: exact depths, nothing dropped.
-    #[must_use]
-    pub fn none() -> Self {
+    #[cfg(test)]
+    pub(crate) fn none() -> Self {
         Self {
             axial_floor: 0.0,
             axial_growth: 0.0,
@@ -65,14 +57,13 @@ impl DepthNoise {
         }
     }
 
-    /// Standard deviation of the depth at depth `z`, in metres.
-    #[must_use]
-    pub fn axial_sigma(&self, z: f64) -> f64 {
+    /// Standard deviation of the depth at depth `z`, in meters.
+    pub(crate) fn axial_sigma(&self, z: f64) -> f64 {
         self.axial_floor + self.axial_growth * (z - self.axial_start).powi(2)
     }
 
     /// `z` rounded to the camera's resolution at that depth.
-    pub(crate) fn quantised(&self, z: f64) -> f64 {
+    pub(crate) fn quantized(&self, z: f64) -> f64 {
         let step = self.depth_step * z * z;
         if step > 0.0 {
             (z / step).round() * step
@@ -81,19 +72,24 @@ impl DepthNoise {
         }
     }
 
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        check_range("axial_floor", self.axial_floor, 0.0, 1.0)?;
-        check_range("axial_growth", self.axial_growth, 0.0, 1.0)?;
-        check_range("axial_start", self.axial_start, 0.0, 100.0)?;
-        check_range("depth_step", self.depth_step, 0.0, 0.1)?;
-        check_range("lateral_sigma", self.lateral_sigma, 0.0, 100.0)?;
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// The first parameter that is out of range.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        check_range("axial_floor", self.axial_floor, 0.0..=1.0, "in [0, 1]")?;
+        check_range("axial_growth", self.axial_growth, 0.0..=1.0, "in [0, 1]")?;
+        check_range("axial_start", self.axial_start, 0.0..=100.0, "in [0, 100]")?;
+        check_range("depth_step", self.depth_step, 0.0..=0.1, "in [0, 0.1]")?;
         check_range(
-            "grazing_limit",
-            self.grazing_limit,
-            0.0,
-            std::f64::consts::FRAC_PI_2,
+            "lateral_sigma",
+            self.lateral_sigma,
+            0.0..=100.0,
+            "in [0, 100]",
         )?;
-        check_range("dropout", self.dropout, 0.0, 1.0)
+        let angles = 0.0..=std::f64::consts::FRAC_PI_2;
+        check_range("grazing_limit", self.grazing_limit, angles, "in [0, π/2]")?;
+        check_range("dropout", self.dropout, 0.0..=1.0, "in [0, 1]")
     }
 }
 
@@ -102,24 +98,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantised_depths_are_multiples_of_the_step() {
+    fn quantized_depths_are_multiples_of_the_step() {
         let noise = DepthNoise {
             depth_step: 0.01,
             ..DepthNoise::none()
         };
-        assert!((noise.quantised(1.004) - 1.008_016).abs() < 1e-3);
-        assert_eq!(DepthNoise::none().quantised(1.2345), 1.2345);
+        assert!((noise.quantized(1.004) - 1.008_016).abs() < 1e-3);
+        assert_eq!(DepthNoise::none().quantized(1.2345), 1.2345);
     }
 
     #[test]
-    fn quantisation_moves_a_depth_by_half_a_step_at_most() {
+    fn quantization_changes_a_depth_by_half_a_step_at_most() {
         let noise = DepthNoise {
             depth_step: 0.0028,
             ..DepthNoise::none()
         };
         for k in 1..400 {
             let z = 0.01 * f64::from(k);
-            assert!((noise.quantised(z) - z).abs() <= 0.5 * 0.0028 * z * z + 1e-12);
+            assert!((noise.quantized(z) - z).abs() <= 0.5 * 0.0028 * z * z + 1e-12);
         }
     }
 }

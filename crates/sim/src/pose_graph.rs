@@ -1,4 +1,4 @@
-//! Measured relative poses of which a known share is wrong.
+//! Measured relative poses of which a known ratio are outliers.
 
 use std::collections::BTreeSet;
 use std::num::NonZero;
@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use crate::error::{Error, check_count, check_range};
+use crate::error::{Error, InvalidParameter, check_count, check_range};
 use crate::random::{Stream, count, gaussian, generator, point_in_cube, rotation, uniform};
 
 /// Which pose graph to simulate.
@@ -26,9 +26,9 @@ pub struct PoseGraphSimParams {
     pub rotation_noise: f64,
     /// Standard deviation of the translation's components, 0 to 1e6. Default 0.05.
     pub translation_noise: f64,
-    /// Share of all edges that are wrong, 0 to 1. Default 0.
-    pub outlier_share: f64,
-    /// What wrong edges say. Default [`Outliers::Uniform`].
+    /// Ratio of outliers among all edges, 0 to 1. Default 0.
+    pub outlier_ratio: f64,
+    /// What outlier edges measure. Default [`Outliers::Uniform`].
     pub outliers: Outliers,
     /// How edges are weighted. Default [`EdgeWeights::Equal`].
     pub weights: EdgeWeights,
@@ -41,18 +41,18 @@ pub struct PoseGraphSimParams {
 pub enum Topology {
     /// A random tree and pairs drawn uniformly: an expander.
     Random,
-    /// Neighbours in space, as scans that overlap: the Euclidean minimum spanning tree and the
-    /// shortest edges of the graph of nearest neighbours.
+    /// Neighbors in space, as scans that overlap: the Euclidean minimum spanning tree and the
+    /// shortest edges of the graph of nearest neighbors.
     Geometric,
 }
 
-/// What the wrong edges of a simulated pose graph say.
+/// What the outlier edges of a simulated pose graph measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outliers {
     /// Each its own: a uniform rotation, and a translation uniform in a cube of twice the extent.
     Uniform,
-    /// The same wrong story: relative poses of a second set of poses, with the noise of the right
-    /// ones (perceptual aliasing).
+    /// One false set of poses: relative poses of a second set, with the noise of the inliers
+    /// (perceptual aliasing).
     Coherent,
 }
 
@@ -61,7 +61,7 @@ pub enum Outliers {
 pub enum EdgeWeights {
     /// One everywhere.
     Equal,
-    /// Uniform in 0.5..1 for right and in 0..0.7 for wrong edges.
+    /// Uniform in 0.5..1 for inliers and in 0..0.7 for outliers.
     Informative,
 }
 
@@ -74,7 +74,7 @@ impl Default for PoseGraphSimParams {
             topology: Topology::Random,
             rotation_noise: 2.0_f64.to_radians(),
             translation_noise: 0.05,
-            outlier_share: 0.0,
+            outlier_ratio: 0.0,
             outliers: Outliers::Uniform,
             weights: EdgeWeights::Equal,
             extent: 10.0,
@@ -82,10 +82,10 @@ impl Default for PoseGraphSimParams {
     }
 }
 
-/// A pose graph with its truth.
+/// A pose graph with its ground truth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedPoseGraph {
-    /// True poses: uniform rotations, positions uniform in the cube.
+    /// Ground truth poses: uniform rotations, positions uniform in the cube.
     pub world_from_scan: Vec<Isometry3<f64>>,
     /// The measurements, in random order.
     pub edges: Vec<SimulatedEdge>,
@@ -94,20 +94,20 @@ pub struct SimulatedPoseGraph {
 /// A measured relative pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SimulatedEdge {
-    /// The scan into whose frame the motion maps.
+    /// The scan into whose frame the relative pose maps.
     pub i: usize,
-    /// The scan from whose frame the motion maps; `i < j`.
+    /// The scan from whose frame the relative pose maps; `i < j`.
     pub j: usize,
-    /// The measured motion.
+    /// The measured relative pose.
     pub i_from_j: Isometry3<f64>,
     /// How much it is trusted.
     pub weight: f64,
-    /// Whether it measures the truth.
+    /// Whether it measures the ground truth.
     pub is_inlier: bool,
 }
 
 /// Simulates a pose graph: `T̂_ij = T_i⁻¹ T_j` with `R̂_ij = R_ij exp(ε)`, `t̂_ij = t_ij + η` and
-/// Gaussian `ε`, `η`; of all edges, those of the spanning tree among them, a share is wrong.
+/// Gaussian `ε`, `η`; of all edges, those of the spanning tree among them, a ratio are outliers.
 ///
 /// `O(N log N + E log E)`.
 ///
@@ -117,14 +117,14 @@ pub struct SimulatedEdge {
 /// ```
 /// use gmpcr_sim::{PoseGraphSimParams, simulate_pose_graph};
 ///
-/// let params = PoseGraphSimParams { outlier_share: 0.2, ..PoseGraphSimParams::default() };
+/// let params = PoseGraphSimParams { outlier_ratio: 0.2, ..PoseGraphSimParams::default() };
 /// let graph = simulate_pose_graph(&params)?;
 /// assert_eq!((graph.world_from_scan.len(), graph.edges.len()), (50, 250));
 /// assert_eq!(graph.edges.iter().filter(|edge| !edge.is_inlier).count(), 50);
 /// # Ok::<(), gmpcr_sim::Error>(())
 /// ```
 pub fn simulate_pose_graph(params: &PoseGraphSimParams) -> Result<SimulatedPoseGraph, Error> {
-    params.check()?;
+    params.validate()?;
     let mut rng = generator(params.seed, Stream::PoseGraph);
     let world_from_scan = random_poses(params, &mut rng);
     let alias = random_poses(params, &mut rng);
@@ -132,32 +132,14 @@ pub fn simulate_pose_graph(params: &PoseGraphSimParams) -> Result<SimulatedPoseG
         Topology::Random => random_pairs(params, &mut rng),
         Topology::Geometric => neighboring_pairs(params, &world_from_scan),
     };
-    // The first of the shuffled pairs are the wrong ones; a second shuffle hides which.
+    // The first of the shuffled pairs are the outliers; a second shuffle hides which.
     pairs.shuffle(&mut rng);
-    let num_outliers = (params.outlier_share * pairs.len() as f64).round() as usize;
-    let edge = |(position, (i, j)): (usize, (usize, usize))| {
-        let is_inlier = position >= num_outliers;
-        let i_from_j = match params.outliers {
-            _ if is_inlier => measured(&world_from_scan, i, j, params, &mut rng),
-            Outliers::Coherent => measured(&alias, i, j, params, &mut rng),
-            Outliers::Uniform => {
-                let translation = point_in_cube(&mut rng, 2.0 * params.extent);
-                Isometry3::from_parts(translation.into(), rotation(&mut rng))
-            }
-        };
-        let weight = match (params.weights, is_inlier) {
-            (EdgeWeights::Equal, _) => 1.0,
-            (EdgeWeights::Informative, true) => uniform(&mut rng, 0.5, 1.0),
-            (EdgeWeights::Informative, false) => uniform(&mut rng, 0.0, 0.7),
-        };
-        SimulatedEdge {
-            i,
-            j,
-            i_from_j,
-            weight,
-            is_inlier,
-        }
+    let num_outliers = (params.outlier_ratio * pairs.len() as f64).round() as usize;
+    let poses = Poses {
+        ground_truth: &world_from_scan,
+        alias: &alias,
     };
+    let edge = |(position, pair)| poses.edge(pair, position >= num_outliers, params, &mut rng);
     let mut edges: Vec<_> = pairs.into_iter().enumerate().map(edge).collect();
     edges.shuffle(&mut rng);
     Ok(SimulatedPoseGraph {
@@ -166,14 +148,66 @@ pub fn simulate_pose_graph(params: &PoseGraphSimParams) -> Result<SimulatedPoseG
     })
 }
 
+/// The poses that edges measure.
+struct Poses<'a> {
+    ground_truth: &'a [Isometry3<f64>],
+    /// What coherent outliers measure.
+    alias: &'a [Isometry3<f64>],
+}
+
+impl Poses<'_> {
+    fn edge(
+        &self,
+        (i, j): (usize, usize),
+        is_inlier: bool,
+        params: &PoseGraphSimParams,
+        rng: &mut ChaCha8Rng,
+    ) -> SimulatedEdge {
+        let i_from_j = match params.outliers {
+            _ if is_inlier => measured(self.ground_truth, i, j, params, rng),
+            Outliers::Coherent => measured(self.alias, i, j, params, rng),
+            Outliers::Uniform => {
+                let translation = point_in_cube(rng, 2.0 * params.extent);
+                Isometry3::from_parts(translation.into(), rotation(rng))
+            }
+        };
+        let weight = match (params.weights, is_inlier) {
+            (EdgeWeights::Equal, _) => 1.0,
+            (EdgeWeights::Informative, true) => uniform(rng, 0.5, 1.0),
+            (EdgeWeights::Informative, false) => uniform(rng, 0.0, 0.7),
+        };
+        SimulatedEdge {
+            i,
+            j,
+            i_from_j,
+            weight,
+            is_inlier,
+        }
+    }
+}
+
 impl PoseGraphSimParams {
-    fn check(&self) -> Result<(), Error> {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// The first parameter that is out of range.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
         check_count("num_scans", self.num_scans)?;
-        check_range("degree", self.degree, 0.0, 1000.0)?;
-        check_range("rotation_noise", self.rotation_noise, 0.0, 1.0)?;
-        check_range("translation_noise", self.translation_noise, 0.0, 1e6)?;
-        check_range("outlier_share", self.outlier_share, 0.0, 1.0)?;
-        check_range("extent", self.extent, 0.0, 1e6)
+        check_range("degree", self.degree, 0.0..=1000.0, "in [0, 1000]")?;
+        check_range(
+            "rotation_noise",
+            self.rotation_noise,
+            0.0..=1.0,
+            "in [0, 1]",
+        )?;
+        check_range(
+            "translation_noise",
+            self.translation_noise,
+            0.0..=1e6,
+            "in [0, 1e6]",
+        )?;
+        check_range("outlier_ratio", self.outlier_ratio, 0.0..=1.0, "in [0, 1]")?;
+        check_range("extent", self.extent, 0.0..=1e6, "in [0, 1e6]")
     }
 
     /// Edges wanted in all, as far as there are pairs.
@@ -200,12 +234,15 @@ fn measured(
     rng: &mut ChaCha8Rng,
 ) -> Isometry3<f64> {
     let i_from_j = world_from_scan[i].inv_mul(&world_from_scan[j]);
-    let turn = UnitQuaternion::from_scaled_axis(gaussian(rng) * params.rotation_noise);
-    let shift = Translation3::from(gaussian(rng) * params.translation_noise);
-    Isometry3::from_parts(shift * i_from_j.translation, i_from_j.rotation * turn)
+    let rotation = UnitQuaternion::from_scaled_axis(gaussian(rng) * params.rotation_noise);
+    let translation = Translation3::from(gaussian(rng) * params.translation_noise);
+    Isometry3::from_parts(
+        translation * i_from_j.translation,
+        i_from_j.rotation * rotation,
+    )
 }
 
-/// A random tree, every scan hanging on an earlier one of a random order, and uniform pairs.
+/// A random tree, every scan joined to an earlier one of a random order, and uniform pairs.
 fn random_pairs(params: &PoseGraphSimParams, rng: &mut ChaCha8Rng) -> Vec<(usize, usize)> {
     let mut order: Vec<usize> = (0..params.num_scans).collect();
     order.shuffle(rng);
@@ -226,7 +263,7 @@ fn random_pairs(params: &PoseGraphSimParams, rng: &mut ChaCha8Rng) -> Vec<(usize
 }
 
 /// The minimum spanning tree (Kruskal) and then the shortest pairs of the graph of nearest
-/// neighbours. That graph is connected unless the scans lie in far clusters, which they do not.
+/// neighbors. That graph is connected unless the scans lie in far clusters, which they do not.
 fn neighboring_pairs(
     params: &PoseGraphSimParams,
     world_from_scan: &[Isometry3<f64>],
@@ -251,7 +288,7 @@ fn nearest_neighbors(
 ) -> Vec<(f64, (usize, usize))> {
     let position = |pose: &Isometry3<f64>| <[f64; 3]>::from(pose.translation.vector);
     let positions: Vec<[f64; 3]> = world_from_scan.iter().map(position).collect();
-    // One more than the neighbours, since the scan itself is found too.
+    // One more than the neighbors, since the scan itself is found too.
     let wanted = NonZero::<usize>::MIN.saturating_add((2.0 * params.degree) as usize + 4);
     let tree: ImmutableKdTree<f64, 3> = ImmutableKdTree::new_from_slice(&positions)
         .expect("a million positions, the most there may be, fit into a tree");
@@ -334,11 +371,11 @@ mod tests {
     }
 
     #[test]
-    fn right_edges_are_off_by_the_noise_and_wrong_ones_by_much_more() {
-        for outliers in [Outliers::Uniform, Outliers::Coherent] {
+    fn inliers_are_off_by_the_noise_and_outliers_by_much_more() {
+        for kind in [Outliers::Uniform, Outliers::Coherent] {
             let params = PoseGraphSimParams {
-                outlier_share: 0.3,
-                outliers,
+                outlier_ratio: 0.3,
+                outliers: kind,
                 ..Default::default()
             };
             let SimulatedPoseGraph {
@@ -346,25 +383,26 @@ mod tests {
                 edges,
             } = graph(params);
             let error = |edge: &SimulatedEdge| {
-                let truth = world_from_scan[edge.i].inv_mul(&world_from_scan[edge.j]);
-                let turn = truth
+                let true_i_from_j = world_from_scan[edge.i].inv_mul(&world_from_scan[edge.j]);
+                let angle = true_i_from_j
                     .rotation
                     .angle_to(&edge.i_from_j.rotation)
                     .to_degrees();
                 (
-                    turn,
-                    (truth.translation.vector - edge.i_from_j.translation.vector).norm(),
+                    angle,
+                    (true_i_from_j.translation.vector - edge.i_from_j.translation.vector).norm(),
                 )
             };
-            let (right, wrong): (Vec<_>, Vec<_>) = edges.iter().partition(|edge| edge.is_inlier);
-            assert_eq!(wrong.len(), 75);
+            let (inliers, outliers): (Vec<_>, Vec<_>) =
+                edges.iter().partition(|edge| edge.is_inlier);
+            assert_eq!(outliers.len(), 75);
             assert!(
-                right
+                inliers
                     .iter()
                     .all(|edge| error(edge).0 < 12.0 && error(edge).1 < 0.3)
             );
             // The mean angle of uniform rotations is 126.5°.
-            let mean = wrong.iter().map(|edge| error(edge).0).sum::<f64>() / 75.0;
+            let mean = outliers.iter().map(|edge| error(edge).0).sum::<f64>() / 75.0;
             assert!((mean - 126.5).abs() < 15.0, "{mean}");
         }
     }
@@ -373,28 +411,28 @@ mod tests {
     fn coherent_outliers_agree_with_each_other() {
         let params = PoseGraphSimParams {
             num_scans: 3,
-            outlier_share: 1.0,
+            outlier_ratio: 1.0,
             outliers: Outliers::Coherent,
             rotation_noise: 0.0,
             translation_noise: 0.0,
             ..Default::default()
         };
         let edges = graph(params).edges;
-        let motion = |i, j| {
+        let i_from_j = |i, j| {
             edges
                 .iter()
                 .find(|e| (e.i, e.j) == (i, j))
                 .unwrap()
                 .i_from_j
         };
-        let gap = (motion(0, 1) * motion(1, 2)).inv_mul(&motion(0, 2));
+        let gap = (i_from_j(0, 1) * i_from_j(1, 2)).inv_mul(&i_from_j(0, 2));
         assert!(gap.translation.vector.norm() + gap.rotation.angle() < 1e-9);
     }
 
     #[test]
-    fn informative_weights_tell_right_from_wrong_on_average() {
+    fn informative_weights_tell_inliers_from_outliers_on_average() {
         let params = PoseGraphSimParams {
-            outlier_share: 0.5,
+            outlier_ratio: 0.5,
             weights: EdgeWeights::Informative,
             ..Default::default()
         };
@@ -409,29 +447,22 @@ mod tests {
 
     #[test]
     fn parameters_out_of_range_are_named() {
-        let error =
-            |params: PoseGraphSimParams| simulate_pose_graph(&params).unwrap_err().to_string();
         let default = PoseGraphSimParams::default();
-        assert!(
-            error(PoseGraphSimParams {
-                num_scans: 0,
-                ..default
-            })
-            .contains("num_scans")
-        );
-        assert!(
-            error(PoseGraphSimParams {
-                outlier_share: 1.1,
-                ..default
-            })
-            .contains("outlier_share")
-        );
-        assert!(
-            error(PoseGraphSimParams {
-                degree: f64::NAN,
-                ..default
-            })
-            .contains("degree")
-        );
+        #[rustfmt::skip]
+        let cases = [
+            (PoseGraphSimParams { num_scans: 0, ..default }, "num_scans"),
+            (PoseGraphSimParams { degree: f64::NAN, ..default }, "degree"),
+            (PoseGraphSimParams { rotation_noise: -0.1, ..default }, "rotation_noise"),
+            (PoseGraphSimParams { translation_noise: 1e7, ..default }, "translation_noise"),
+            (PoseGraphSimParams { outlier_ratio: 1.1, ..default }, "outlier_ratio"),
+            (PoseGraphSimParams { extent: f64::INFINITY, ..default }, "extent"),
+        ];
+        for (params, name) in cases {
+            assert_eq!(params.validate().unwrap_err().name, name);
+            assert!(matches!(
+                simulate_pose_graph(&params),
+                Err(Error::Parameter(_))
+            ));
+        }
     }
 }

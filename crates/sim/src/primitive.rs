@@ -1,22 +1,14 @@
 //! A shape somewhere in the world.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use crate::bvh::Bounds;
 use crate::ray::Ray;
 use crate::shape::{LocalHit, Shape};
 
 /// A [`Shape`] at a place in the world.
-///
-/// ```
-/// use gmpcr_sim::Primitive;
-/// use nalgebra::Point3;
-///
-/// let ball = Primitive::sphere(Point3::new(0.0, 0.0, 2.0), 0.5);
-/// assert_eq!(ball.signed_distance(&Point3::origin()), 1.5);
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Primitive {
+pub(crate) struct Primitive {
     shape: Shape,
     world_from_local: Isometry3<f64>,
     /// The rotation of `world_from_local`; its transpose takes rays into the shape's frame.
@@ -25,8 +17,7 @@ pub struct Primitive {
 
 impl Primitive {
     /// `shape` in the frame that `world_from_local` maps into the world.
-    #[must_use]
-    pub fn new(shape: Shape, world_from_local: Isometry3<f64>) -> Self {
+    pub(crate) fn new(shape: Shape, world_from_local: Isometry3<f64>) -> Self {
         let rotation = world_from_local.rotation.to_rotation_matrix().into_inner();
         Self {
             shape,
@@ -35,9 +26,8 @@ impl Primitive {
         }
     }
 
-    /// A box with the given edge lengths, turned and shifted by `world_from_local`.
-    #[must_use]
-    pub fn oriented_box(size: Vector3<f64>, world_from_local: Isometry3<f64>) -> Self {
+    /// A box with the given edge lengths, placed by `world_from_local`.
+    pub(crate) fn oriented_box(size: Vector3<f64>, world_from_local: Isometry3<f64>) -> Self {
         Self::new(
             Shape::Cuboid {
                 half_extents: size / 2.0,
@@ -47,67 +37,45 @@ impl Primitive {
     }
 
     /// The box between two opposite corners, `min` below `max` along each axis.
-    #[must_use]
-    pub fn axis_aligned_box(min: Point3<f64>, max: Point3<f64>) -> Self {
-        let centre = Translation3::from((min.coords + max.coords) / 2.0);
-        Self::oriented_box(max - min, centre.into())
+    pub(crate) fn axis_aligned_box(min: Point3<f64>, max: Point3<f64>) -> Self {
+        let center = Translation3::from((min.coords + max.coords) / 2.0);
+        Self::oriented_box(max - min, center.into())
     }
 
     /// A ball.
-    #[must_use]
-    pub fn sphere(centre: Point3<f64>, radius: f64) -> Self {
+    pub(crate) fn sphere(center: Point3<f64>, radius: f64) -> Self {
         Self::new(
             Shape::Sphere { radius },
-            Translation3::from(centre.coords).into(),
+            Translation3::from(center.coords).into(),
         )
     }
 
     /// A capped cylinder whose axis runs from `base` to `top`.
-    #[must_use]
-    pub fn cylinder(base: Point3<f64>, top: Point3<f64>, radius: f64) -> Self {
+    pub(crate) fn cylinder(base: Point3<f64>, top: Point3<f64>, radius: f64) -> Self {
         let axis = top - base;
         let half_turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
         let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &axis).unwrap_or(half_turn);
-        let centre = Translation3::from((base.coords + top.coords) / 2.0);
+        let center = Translation3::from((base.coords + top.coords) / 2.0);
         let shape = Shape::Cylinder {
             radius,
             half_height: axis.norm() / 2.0,
         };
-        Self::new(shape, Isometry3::from_parts(centre, rotation))
+        Self::new(shape, Isometry3::from_parts(center, rotation))
     }
 
-    /// A rectangle with the given edge lengths in the x-y plane of its own frame.
-    #[must_use]
-    pub fn rectangle(size: Vector2<f64>, world_from_local: Isometry3<f64>) -> Self {
-        Self::new(
-            Shape::Rectangle {
-                half_extents: size / 2.0,
-            },
-            world_from_local,
-        )
-    }
-
-    /// The shape, in its own frame.
-    #[must_use]
-    pub fn shape(&self) -> &Shape {
-        &self.shape
-    }
-
-    /// The motion that maps the shape's frame into the world.
-    #[must_use]
-    pub fn world_from_local(&self) -> &Isometry3<f64> {
+    /// The transformation that maps the shape's frame into the world.
+    #[cfg(test)]
+    pub(crate) fn world_from_local(&self) -> &Isometry3<f64> {
         &self.world_from_local
     }
 
-    /// The same solid after a rigid motion.
-    #[must_use]
-    pub fn moved(&self, target_from_source: &Isometry3<f64>) -> Self {
+    /// The same solid after a rigid transformation.
+    pub(crate) fn moved(&self, target_from_source: &Isometry3<f64>) -> Self {
         Self::new(self.shape, target_from_source * self.world_from_local)
     }
 
-    /// Distance from `point` to the surface: negative inside a solid, never for a rectangle.
-    #[must_use]
-    pub fn signed_distance(&self, point: &Point3<f64>) -> f64 {
+    /// Distance from `point` to the surface: negative inside.
+    pub(crate) fn signed_distance(&self, point: &Point3<f64>) -> f64 {
         self.shape.signed_distance(&self.local_point(point))
     }
 
@@ -124,36 +92,23 @@ impl Primitive {
 
     pub(crate) fn bounds(&self) -> Bounds {
         let reach = self.rotation.abs() * self.shape.half_extents();
-        let centre = self.world_from_local.translation.vector;
+        let center = self.world_from_local.translation.vector;
         Bounds {
-            min: centre - reach,
-            max: centre + reach,
+            min: center - reach,
+            max: center + reach,
         }
     }
 
-    /// Sizes are finite and not negative, the place is finite.
-    pub(crate) fn is_sound(&self) -> bool {
-        let size_is_sound = |x: &f64| x.is_finite() && *x >= 0.0;
-        self.shape.half_extents().iter().all(size_is_sound)
-            && self.rotation.iter().all(|x| x.is_finite())
-            && self
-                .world_from_local
-                .translation
-                .vector
-                .iter()
-                .all(|x| x.is_finite())
-    }
-
     fn local_point(&self, point: &Point3<f64>) -> Vector3<f64> {
-        let from_centre = point.coords - self.world_from_local.translation.vector;
-        self.rotation.tr_mul(&from_centre)
+        let from_center = point.coords - self.world_from_local.translation.vector;
+        self.rotation.tr_mul(&from_center)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{Stream, generator, rigid_motion};
+    use crate::random::{Stream, generator, rigid_transformation};
     use approx::assert_relative_eq;
 
     #[test]
@@ -179,16 +134,23 @@ mod tests {
             Primitive::oriented_box(Vector3::new(1.0, 0.5, 0.7), place),
             Primitive::sphere(Point3::origin(), 0.4),
             Primitive::cylinder(Point3::new(0.0, -1.0, 0.0), Point3::new(0.2, 1.0, 0.0), 0.3),
-            Primitive::rectangle(Vector2::new(1.0, 1.0), Isometry3::rotation(Vector3::y())),
+            Primitive::oriented_box(
+                Vector3::new(1.0, 1.0, 0.0),
+                Isometry3::rotation(Vector3::y()),
+            ),
         ] {
-            let motion = rigid_motion(&mut rng, 4.0);
+            let transformation = rigid_transformation(&mut rng, 4.0);
             let before = primitive.intersect(&ray).unwrap();
             let after = primitive
-                .moved(&motion)
-                .intersect(&ray.moved(&motion))
+                .moved(&transformation)
+                .intersect(&ray.moved(&transformation))
                 .unwrap();
             assert_relative_eq!(before.distance, after.distance, epsilon = 1e-12);
-            assert_relative_eq!(motion * before.normal, after.normal, epsilon = 1e-12);
+            assert_relative_eq!(
+                transformation * before.normal,
+                after.normal,
+                epsilon = 1e-12
+            );
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Seeded draws: uniform, Gaussian, rotations, rigid motions.
+//! Seeded draws: uniform, Gaussian, rotations, rigid transformations.
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
@@ -73,8 +73,8 @@ pub(crate) fn rotation(rng: &mut impl Rng) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
 }
 
-/// A random rotation, then a shift of up to `reach` along each axis.
-pub(crate) fn rigid_motion(rng: &mut impl Rng, reach: f64) -> Isometry3<f64> {
+/// A random rotation, then a translation of up to `reach` along each axis.
+pub(crate) fn rigid_transformation(rng: &mut impl Rng, reach: f64) -> Isometry3<f64> {
     let rotation = rotation(rng);
     Isometry3::from_parts(point_in_cube(rng, 2.0 * reach).into(), rotation)
 }

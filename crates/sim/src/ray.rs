@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 /// A half-line `origin + distance · direction` with `distance ≥ 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
+pub(crate) struct Ray {
     /// Where it starts.
     pub origin: Point3<f64>,
     /// Where it heads, of unit length.
@@ -13,14 +13,12 @@ pub struct Ray {
 
 impl Ray {
     /// The point at `distance` along the ray.
-    #[must_use]
-    pub fn at(&self, distance: f64) -> Point3<f64> {
+    pub(crate) fn at(&self, distance: f64) -> Point3<f64> {
         self.origin + distance * self.direction.as_ref()
     }
 
     /// The same ray in another frame.
-    #[must_use]
-    pub fn moved(&self, target_from_source: &Isometry3<f64>) -> Self {
+    pub(crate) fn moved(&self, target_from_source: &Isometry3<f64>) -> Self {
         Self {
             origin: target_from_source * self.origin,
             direction: target_from_source * self.direction,
@@ -30,7 +28,7 @@ impl Ray {
 
 /// Where a ray first meets a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
+pub(crate) struct Hit {
     /// Distance from the ray's origin.
     pub distance: f64,
     /// Unit normal of the surface there; the side it points to is not fixed.

@@ -5,10 +5,10 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::building::{Building, RoomParams};
 use crate::camera::DepthCamera;
-use crate::error::{Error, check_count, check_range};
-use crate::random::{Stream, generator, rigid_motion, rotation, uniform};
+use crate::downsample::downsample;
+use crate::error::{Error, InvalidParameter, check_count, check_range};
+use crate::random::{Stream, generator, rigid_transformation, rotation, uniform};
 use crate::scene::Scene;
-use crate::thin::thin;
 use crate::tour;
 
 /// What to simulate.
@@ -27,7 +27,7 @@ pub struct SimParams {
     pub frames_per_scan: usize,
     /// Half the angle that the camera pans during a scan, in radians, 0 to 1. Default 6°.
     pub half_pan: f64,
-    /// Points of the fused images are averaged over voxels of this size, in metres, 0 to 1;
+    /// Points of the fused images are averaged over voxels of this size, in meters, 0 to 1;
     /// 0 keeps every point. Default 0.03.
     pub voxel: f64,
 }
@@ -47,40 +47,45 @@ impl Default for SimParams {
 }
 
 impl SimParams {
-    fn check(&self) -> Result<(), Error> {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// The first parameter that is out of range.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
         check_count("num_scans", self.num_scans)?;
         check_count("frames_per_scan", self.frames_per_scan)?;
-        check_range("half_pan", self.half_pan, 0.0, 1.0)?;
-        check_range("voxel", self.voxel, 0.0, 1.0)?;
-        self.camera.check()
+        check_range("half_pan", self.half_pan, 0.0..=1.0, "in [0, 1]")?;
+        check_range("voxel", self.voxel, 0.0..=1.0, "in [0, 1]")?;
+        self.room.validate().map_err(|e| e.within("room"))?;
+        self.camera.validate().map_err(|e| e.within("camera"))
     }
 }
 
-/// Scans and their true poses.
+/// Scans and their ground truth poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedScans {
     /// One cloud per scan, in the scan's own frame, the sensor at the origin. The frame is
-    /// turned at random, so that no common upward axis is given away.
+    /// rotated at random, so that no common upward axis is given away.
     pub clouds: Vec<Vec<Point3<f64>>>,
-    /// The true pose of each scan. The world itself is turned and shifted at random.
+    /// The ground truth pose of each scan. The world itself is rotated and translated at random.
     pub world_from_scan: Vec<Isometry3<f64>>,
 }
 
 /// Takes scans of a generated flat along a walk with a hand-held depth camera.
 ///
 /// Each scan fuses a few depth images, as the fragments of RGB-D benchmarks do; their relative
-/// poses are exact. Consecutive scans share about half of what they see, most
-/// other pairs little or nothing. Time is linear in the number of depth images.
+/// poses are exact. Consecutive scans see about half of the same surfaces, most
+/// other pairs few or none. Time is linear in the number of depth images.
 ///
 /// # Errors
-/// [`Error::Zero`] or [`Error::OutOfRange`] for parameters outside their documented ranges,
+/// [`Error::Parameter`] for a parameter outside its documented range,
 /// [`Error::NoViewpoint`] where the camera cannot see enough of the flat.
 pub fn simulate(params: &SimParams) -> Result<SimulatedScans, Error> {
-    params.check()?;
-    let building = Building::generate(params.seed, &params.room)?;
+    params.validate()?;
+    let building = Building::generate(params.seed, &params.room);
     let mut tour_rng = generator(params.seed, Stream::Tour);
     let walk = tour::walk(&building, &params.camera, params.num_scans, &mut tour_rng)?;
-    let world_from_building = rigid_motion(&mut generator(params.seed, Stream::World), 5.0);
+    let world_from_building = rigid_transformation(&mut generator(params.seed, Stream::World), 5.0);
 
     let mut scans = SimulatedScans {
         clouds: Vec::new(),
@@ -116,10 +121,10 @@ fn fuse(
             .scan(scene, &(building_from_camera * camera_from_frame), rng);
         fused.extend(image.iter().map(|point| camera_from_frame * point));
     }
-    thin(&fused, params.voxel)
+    downsample(&fused, params.voxel)
 }
 
-/// Where the camera is at one image of a scan: panned evenly, and unsteady by centimetres.
+/// Where the camera is at one image of a scan: panned evenly, and unsteady by centimeters.
 /// A scan of one image is taken from the middle exactly.
 fn frame_pose(params: &SimParams, frame: usize, rng: &mut ChaCha8Rng) -> Isometry3<f64> {
     if params.frames_per_scan == 1 {

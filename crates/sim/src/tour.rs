@@ -1,9 +1,9 @@
 //! A walk through the flat: where the camera stands and looks, scan by scan.
 //!
-//! In each room the camera turns about once, stepping back from the middle of the room; then it
+//! In each room the camera rotates about once, stepping back from the middle of the room; then it
 //! walks through the passage into the next one, and back when the last room is done. Around each
 //! planned stop viewpoints are drawn at random until one keeps clear of the furniture, sees more
-//! than a bare wall and shares the wanted part with the scan before; the longer this takes, the
+//! than a bare wall and sees the wanted part of the scan before again; the longer this takes, the
 //! nearer to the viewpoint before.
 
 use std::f64::consts::{PI, TAU};
@@ -17,24 +17,24 @@ use crate::error::Error;
 use crate::random::{gaussian_pair, uniform};
 use crate::view::View;
 
-/// Turn between planned stops.
+/// Rotation between planned stops.
 const STEP: f64 = PI / 5.0;
-/// How far from the middle of the room the camera stands, as a share of the way to the wall.
+/// How far from the middle of the room the camera stands, as a fraction of the way to the wall.
 const STEP_BACK: f64 = 0.45;
-/// Distance kept from every surface, in metres.
+/// Distance kept from every surface, in meters.
 const CLEARANCE: f64 = 0.3;
 /// Viewpoints tried for one scan.
 const ATTEMPTS: usize = 300;
-/// Least share of the rays that must meet something within range.
+/// Least fraction of the rays that must meet something within range.
 const MIN_FILL: f64 = 0.7;
-/// Least mean distance of what a view shows, in metres: no close-ups.
+/// Least mean distance of what a view shows, in meters: no close-ups.
 const MIN_DISTANCE: f64 = 1.7;
 /// Fewest solids a view must show.
 const MIN_SOLIDS: usize = 15;
-/// Largest share of a view that one solid may take.
+/// Largest fraction of a view that one solid may take.
 const MAX_DOMINANCE: f64 = 0.5;
-/// Wanted share of the view before that is seen again.
-const WANTED_SHARE: [f64; 2] = [0.45, 0.65];
+/// Wanted fraction of the view before that is seen again.
+const WANTED_FRACTION: [f64; 2] = [0.45, 0.65];
 
 /// A place in the plan and the direction of sight there, counted from x towards y.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,13 +45,13 @@ struct Stop {
 }
 
 impl Stop {
-    /// From this stop (`part` 0) to the other (1), turning the shorter way.
+    /// From this stop (`part` 0) to the other (1), rotating the shorter way.
     fn towards(&self, other: &Self, part: f64) -> Self {
-        let turn = (other.yaw - self.yaw + PI).rem_euclid(TAU) - PI;
+        let rotation = (other.yaw - self.yaw + PI).rem_euclid(TAU) - PI;
         Self {
             x: self.x + part * (other.x - self.x),
             y: self.y + part * (other.y - self.y),
-            yaw: self.yaw + part * turn,
+            yaw: self.yaw + part * rotation,
         }
     }
 }
@@ -87,7 +87,7 @@ pub(crate) fn walk(
 /// The first `num_scans` stops of the walk.
 fn plan(rooms: &[Room], num_scans: usize) -> Vec<Stop> {
     let mut stops = Vec::with_capacity(num_scans);
-    let (mut room, mut heading, mut turning) = (0, 1.0, 1.0);
+    let (mut room, mut heading, mut direction) = (0, 1.0, 1.0);
     while stops.len() < num_scans {
         let next_heading = match room {
             _ if rooms.len() == 1 => heading,
@@ -95,10 +95,15 @@ fn plan(rooms: &[Room], num_scans: usize) -> Vec<Stop> {
             last if last + 1 == rooms.len() => -1.0,
             _ => heading,
         };
-        let half_turns = if heading == next_heading { 2.0 } else { 3.0 };
-        turn_around(&mut stops, &rooms[room], heading, turning * half_turns * PI);
+        let half_revolutions = if heading == next_heading { 2.0 } else { 3.0 };
+        rotate(
+            &mut stops,
+            &rooms[room],
+            heading,
+            direction * half_revolutions * PI,
+        );
         heading = next_heading;
-        turning = -turning;
+        direction = -direction;
         if rooms.len() > 1 {
             room = walk_on(&mut stops, room, rooms, heading);
         }
@@ -108,13 +113,13 @@ fn plan(rooms: &[Room], num_scans: usize) -> Vec<Stop> {
 }
 
 /// Stops on an ellipse, each looking over the middle of the room.
-fn turn_around(stops: &mut Vec<Stop>, plan: &Room, heading: f64, turn: f64) {
+fn rotate(stops: &mut Vec<Stop>, plan: &Room, heading: f64, angle: f64) {
     let start: f64 = if heading > 0.0 { 0.0 } else { PI };
-    let [x, y] = plan.centre();
+    let [x, y] = plan.center();
     let [half_x, half_y] = [0, 1].map(|k| (plan.max[k] - plan.min[k]) / 2.0);
-    let steps = (turn.abs() / STEP).ceil() as usize;
+    let steps = (angle.abs() / STEP).ceil() as usize;
     for k in 0..steps {
-        let yaw = start + turn * k as f64 / steps as f64;
+        let yaw = start + angle * k as f64 / steps as f64;
         let (x, y) = (
             x - STEP_BACK * half_x * yaw.cos(),
             y - STEP_BACK * half_y * yaw.sin(),
@@ -147,7 +152,7 @@ fn walk_on(stops: &mut Vec<Stop>, room: usize, rooms: &[Room], heading: f64) -> 
 }
 
 /// Draws viewpoints around a stop, then ever nearer to the viewpoint before, until one suits;
-/// failing that, the usable one whose share is nearest to the wanted range.
+/// failing that, the usable one whose fraction is nearest to the wanted range.
 fn choose_sight(
     building: &Building,
     camera: &DepthCamera,
@@ -163,8 +168,9 @@ fn choose_sight(
         let Some(view) = usable_view(building, camera, pose) else {
             continue;
         };
-        let share = before.map(|before| view.shared_with(&before.view, camera, &building.scene));
-        let miss = share.map_or(0.0, distance_to_wanted);
+        let fraction =
+            before.map(|before| view.covisible_fraction(&before.view, camera, &building.scene));
+        let miss = fraction.map_or(0.0, distance_to_wanted);
         if best.as_ref().is_none_or(|(least, _)| miss < *least) {
             best = Some((miss, Sight { stop, view }));
         }
@@ -175,19 +181,19 @@ fn choose_sight(
     best.map(|(_, sight)| sight)
 }
 
-fn distance_to_wanted(share: f64) -> f64 {
-    (WANTED_SHARE[0] - share)
-        .max(share - WANTED_SHARE[1])
+fn distance_to_wanted(fraction: f64) -> f64 {
+    (WANTED_FRACTION[0] - fraction)
+        .max(fraction - WANTED_FRACTION[1])
         .max(0.0)
 }
 
 /// A hand-held pose near a stop, and the stop it makes; `spread` widens the draw.
 fn draw_pose(aim: &Stop, spread: f64, rng: &mut ChaCha8Rng) -> (Stop, Isometry3<f64>) {
-    let (reach, turn) = (0.25 * spread, spread * 8.0_f64.to_radians());
+    let (reach, angle) = (0.25 * spread, spread * 8.0_f64.to_radians());
     let stop = Stop {
         x: aim.x + uniform(rng, -reach, reach),
         y: aim.y + uniform(rng, -reach, reach),
-        yaw: aim.yaw + uniform(rng, -turn, turn),
+        yaw: aim.yaw + uniform(rng, -angle, angle),
     };
     let eye = Point3::new(stop.x, stop.y, uniform(rng, 1.0, 1.8));
     let pitch = uniform(rng, -35.0, 10.0).to_radians();
@@ -257,7 +263,7 @@ mod tests {
             num_rooms: 3,
             ..RoomParams::default()
         };
-        let rooms = Building::generate(1, &params).unwrap().rooms;
+        let rooms = Building::generate(1, &params).rooms;
         let stops = plan(&rooms, 120);
         assert_eq!(stops.len(), 120);
         let room_of = |stop: &Stop| rooms.iter().position(|room| room.contains(stop.x, stop.y));
@@ -292,7 +298,7 @@ mod tests {
 
     #[test]
     fn viewpoints_keep_clear_of_everything() {
-        let building = Building::generate(3, &RoomParams::default()).unwrap();
+        let building = Building::generate(3, &RoomParams::default());
         let mut rng = generator(3, Stream::Tour);
         let poses = walk(&building, &DepthCamera::default(), 24, &mut rng).unwrap();
         for pose in poses {
@@ -304,7 +310,7 @@ mod tests {
 
     #[test]
     fn a_camera_that_sees_too_little_is_reported() {
-        let building = Building::generate(3, &RoomParams::default()).unwrap();
+        let building = Building::generate(3, &RoomParams::default());
         let blind = DepthCamera {
             max_range: 0.5,
             ..DepthCamera::default()

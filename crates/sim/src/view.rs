@@ -10,7 +10,7 @@ use crate::scene::Scene;
 const COLUMNS: usize = 24;
 const ROWS: usize = 18;
 
-/// A point behind a surface by less than this counts as seen, in metres.
+/// A point behind a surface by less than this counts as seen, in meters.
 const OCCLUSION_SLACK: f64 = 0.02;
 
 /// The points that a coarse grid of rays meets within the camera's range.
@@ -48,12 +48,12 @@ impl View {
         }
     }
 
-    /// Share of the rays that meet something within range.
+    /// Fraction of the rays that meet something within range.
     pub(crate) fn fill(&self) -> f64 {
         self.hits.len() as f64 / (COLUMNS * ROWS) as f64
     }
 
-    /// Mean distance of what is seen, in metres; 0 where nothing is.
+    /// Mean distance of what is seen, in meters; 0 where nothing is.
     pub(crate) fn mean_distance(&self) -> f64 {
         let sum: f64 = self.hits.iter().map(|(_, hit)| hit.distance).sum();
         sum / self.hits.len().max(1) as f64
@@ -64,7 +64,7 @@ impl View {
         self.solids().chunk_by(|a, b| a == b).count()
     }
 
-    /// Share of the hits on the one solid that is seen most; 1 where nothing is seen.
+    /// Fraction of the hits on the one solid that is seen most; 1 where nothing is seen.
     pub(crate) fn dominance(&self) -> f64 {
         let largest = self
             .solids()
@@ -80,12 +80,18 @@ impl View {
         solids
     }
 
-    /// Share of what one view sees that the other sees too; the mean of both directions.
-    pub(crate) fn shared_with(&self, other: &Self, camera: &DepthCamera, scene: &Scene) -> f64 {
-        (self.share_seen_by(other, camera, scene) + other.share_seen_by(self, camera, scene)) / 2.0
+    /// Fraction of what one view sees that the other sees too; the mean of both directions.
+    pub(crate) fn covisible_fraction(
+        &self,
+        other: &Self,
+        camera: &DepthCamera,
+        scene: &Scene,
+    ) -> f64 {
+        (self.fraction_seen_by(other, camera, scene) + other.fraction_seen_by(self, camera, scene))
+            / 2.0
     }
 
-    fn share_seen_by(&self, other: &Self, camera: &DepthCamera, scene: &Scene) -> f64 {
+    fn fraction_seen_by(&self, other: &Self, camera: &DepthCamera, scene: &Scene) -> f64 {
         let seen = |(point, _): &&(Point3<f64>, Hit)| other.sees(point, camera, scene);
         self.hits.iter().filter(seen).count() as f64 / self.hits.len().max(1) as f64
     }
@@ -107,28 +113,28 @@ impl View {
 mod tests {
     use super::*;
     use crate::primitive::Primitive;
-    use nalgebra::{Vector2, Vector3};
+    use nalgebra::Vector3;
 
     fn wall() -> Primitive {
-        Primitive::rectangle(
-            Vector2::new(20.0, 20.0),
+        Primitive::oriented_box(
+            Vector3::new(20.0, 20.0, 0.0),
             Isometry3::translation(0.0, 0.0, 3.0),
         )
     }
 
-    fn shared(scene: &Scene, shift: f64) -> f64 {
+    fn covisible(scene: &Scene, distance: f64) -> f64 {
         let camera = DepthCamera::default();
         let view = |x| View::sample(&camera, scene, Isometry3::translation(x, 0.0, 0.0));
-        view(0.0).shared_with(&view(shift), &camera, scene)
+        view(0.0).covisible_fraction(&view(distance), &camera, scene)
     }
 
     #[test]
-    fn a_shift_along_a_wall_loses_the_share_that_leaves_the_image() {
-        let scene = Scene::new(vec![wall()]).unwrap();
+    fn a_step_along_a_wall_loses_the_part_that_leaves_the_image() {
+        let scene = Scene::new(vec![wall()]);
         let width = 2.0 * 3.0 * 30.0_f64.to_radians().tan();
-        assert_eq!(shared(&scene, 0.0), 1.0);
-        assert!((shared(&scene, width / 2.0) - 0.5).abs() < 0.03);
-        assert_eq!(shared(&scene, 1.1 * width), 0.0);
+        assert_eq!(covisible(&scene, 0.0), 1.0);
+        assert!((covisible(&scene, width / 2.0) - 0.5).abs() < 0.03);
+        assert_eq!(covisible(&scene, 1.1 * width), 0.0);
     }
 
     #[test]
@@ -137,14 +143,14 @@ mod tests {
             Vector3::new(0.01, 2.0, 2.0),
             Isometry3::translation(0.5, 0.0, 1.4),
         );
-        let open = shared(&Scene::new(vec![wall()]).unwrap(), 1.0);
-        let screened = shared(&Scene::new(vec![wall(), screen]).unwrap(), 1.0);
+        let open = covisible(&Scene::new(vec![wall()]), 1.0);
+        let screened = covisible(&Scene::new(vec![wall(), screen]), 1.0);
         assert!(screened < open - 0.1, "{screened} {open}");
     }
 
     #[test]
     fn a_bare_wall_is_one_dominant_solid() {
-        let scene = Scene::new(vec![wall()]).unwrap();
+        let scene = Scene::new(vec![wall()]);
         let view = View::sample(&DepthCamera::default(), &scene, Isometry3::identity());
         assert_eq!(
             (view.fill(), view.num_solids(), view.dominance()),

@@ -1,13 +1,11 @@
 //! Laws that simulated scans obey as a whole.
 
-use gmpcr_sim::{
-    DepthCamera, DepthNoise, Error, RoomParams, SimParams, SimulatedScans, overlap,
-    overlap_components, overlap_matrix, simulate, thin,
-};
+#![allow(clippy::unwrap_used)]
 
-/// Overlap is counted as indoor benchmarks do: 2.5 cm voxels, a radius of 1.5 voxels.
-const VOXEL: f64 = 0.025;
-const RADIUS: f64 = 0.0375;
+use gmpcr_eval::{OverlapIndex, overlap_matrix};
+use gmpcr_posegraph::Connectivity;
+use gmpcr_sim::{DepthCamera, DepthNoise, Error, RoomParams, SimParams, SimulatedScans, simulate};
+use nalgebra::DMatrix;
 
 fn small(seed: u64) -> SimParams {
     let camera = DepthCamera {
@@ -23,15 +21,14 @@ fn small(seed: u64) -> SimParams {
     }
 }
 
-fn thinned(scans: &SimulatedScans) -> SimulatedScans {
-    SimulatedScans {
-        clouds: scans
-            .clouds
-            .iter()
-            .map(|cloud| thin(cloud, VOXEL))
-            .collect(),
-        world_from_scan: scans.world_from_scan.clone(),
-    }
+/// Overlap of all pairs, counted as indoor benchmarks do: within 1.5 voxels.
+fn overlaps(scans: &SimulatedScans) -> DMatrix<f64> {
+    let radius = 1.5 * SimParams::default().voxel;
+    overlap_matrix(&scans.clouds, &scans.world_from_scan, radius).unwrap()
+}
+
+fn pairs(num_scans: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..num_scans).flat_map(move |i| (i + 1..num_scans).map(move |j| (i, j)))
 }
 
 #[test]
@@ -54,20 +51,21 @@ fn more_scans_leave_the_first_ones_as_they_are() {
 }
 
 #[test]
-fn the_true_poses_align_consecutive_scans_and_the_identity_does_not() {
+fn the_ground_truth_aligns_consecutive_scans_and_the_identity_does_not() {
     let scans = simulate(&small(3)).unwrap();
     for k in 1..scans.clouds.len() {
         let i_from_j = scans.world_from_scan[k - 1].inv_mul(&scans.world_from_scan[k]);
-        let (i, j) = (&scans.clouds[k - 1], &scans.clouds[k]);
-        let aligned = overlap(i, j, &i_from_j, 0.06);
-        let as_they_are = overlap(i, j, &nalgebra::Isometry3::identity(), 0.06);
+        let index = |k: usize| OverlapIndex::new(&scans.clouds[k], 0.06);
+        let (i, j) = (index(k - 1), index(k));
+        let aligned = i.overlap(&j, &i_from_j);
+        let as_they_are = i.overlap(&j, &nalgebra::Isometry3::identity());
         assert!(aligned > 0.25, "{aligned}");
         assert!(as_they_are < 0.5 * aligned, "{as_they_are} {aligned}");
     }
 }
 
 #[test]
-fn default_scans_hold_enough_points_and_hang_together() {
+fn default_scans_hold_enough_points_and_are_connected() {
     for seed in [SimParams::default().seed, 1, 2] {
         let scans = simulate(&SimParams {
             seed,
@@ -82,22 +80,22 @@ fn default_scans_hold_enough_points_and_hang_together() {
                 cloud.len()
             );
         }
-        let overlap = overlap_matrix(&thinned(&scans), RADIUS);
-        assert_eq!(overlap_components(&overlap, 0.3), [0; 24], "seed {seed}");
+        let overlap = overlaps(&scans);
+        let edges: Vec<_> = pairs(24).filter(|&pair| overlap[pair] >= 0.3).collect();
+        assert!(Connectivity::new(24, &edges, 0).is_connected, "seed {seed}");
     }
 }
 
 #[test]
 fn most_default_pairs_overlap_little() {
     let scans = simulate(&SimParams::default()).unwrap();
-    let overlap = overlap_matrix(&thinned(&scans), RADIUS);
-    let pairs = || (0..24).flat_map(|i| (i + 1..24).map(move |j| (i, j)));
-    let low = pairs().filter(|&(i, j)| overlap[(i, j)] < 0.3).count();
-    assert!(low as f64 > 0.6 * pairs().count() as f64, "{low}");
+    let overlap = overlaps(&scans);
+    let low = pairs(24).filter(|&pair| overlap[pair] < 0.3).count();
+    assert!(low as f64 > 0.6 * pairs(24).count() as f64, "{low}");
 }
 
 #[test]
-fn a_scan_is_turned_at_random_about_its_sensor() {
+fn a_scan_is_rotated_at_random_about_its_sensor() {
     let params = SimParams {
         frames_per_scan: 1,
         voxel: 0.0,
@@ -152,7 +150,7 @@ fn a_lone_scan_and_several_rooms_are_fine() {
 }
 
 #[test]
-fn nonsense_parameters_are_refused_by_name() {
+fn parameters_out_of_range_are_named() {
     let camera = DepthCamera::default();
     let noise = DepthNoise::default();
     let narrow = DepthCamera {
@@ -204,33 +202,33 @@ fn nonsense_parameters_are_refused_by_name() {
                 camera: DepthCamera { width: 0, ..camera },
                 ..small(1)
             },
-            "camera width",
+            "camera.width",
         ),
         (
             SimParams {
                 camera: narrow,
                 ..small(1)
             },
-            "horizontal_fov",
+            "camera.horizontal_fov",
         ),
         (
             SimParams {
                 camera: reversed,
                 ..small(1)
             },
-            "max_range",
+            "camera.max_range",
         ),
         (
             SimParams {
                 camera: loud,
                 ..small(1)
             },
-            "dropout",
+            "camera.noise.dropout",
         ),
     ];
     for (params, expected) in cases {
         match simulate(&params).unwrap_err() {
-            Error::Zero { name } | Error::OutOfRange { name, .. } => assert_eq!(name, expected),
+            Error::Parameter(parameter) => assert_eq!(parameter.name, expected),
             other => panic!("{other}"),
         }
     }

@@ -99,7 +99,7 @@ fn coat_hooks(width: f64, rng: &mut ChaCha8Rng) -> Piece {
             let drop = uniform(rng, 0.3, 0.75);
             let size = [uniform(rng, 0.12, 0.3), uniform(rng, 0.05, 0.12), drop];
             let lean = uniform(rng, -0.25, 0.25);
-            piece.turned_block([x, 0.09, -drop / 2.0], size, lean);
+            piece.rotated_block([x, 0.09, -drop / 2.0], size, lean);
             piece.ball([x, 0.09, -0.02], uniform(rng, 0.04, 0.07));
         }
         x += uniform(rng, 0.12, 0.3);

@@ -105,10 +105,10 @@ impl Site<'_> {
             let piece = make(rng);
             let (min, max) = piece.extent();
             let width = max.x - min.x;
-            let turn =
+            let rotation =
                 UnitQuaternion::from_axis_angle(&Vector3::z_axis(), uniform(rng, -0.04, 0.04));
-            let shift = Translation3::new(x - min.x, uniform(rng, 0.02, 0.08) - min.y, 0.0);
-            let place = wall.building_from_wall * Isometry3::from_parts(shift, turn);
+            let translation = Translation3::new(x - min.x, uniform(rng, 0.02, 0.08) - min.y, 0.0);
+            let place = wall.building_from_wall * Isometry3::from_parts(translation, rotation);
             if x + width <= end && self.stand(piece, &place, 0.0) {
                 x += width + uniform(rng, 0.05, 0.6);
             } else {
@@ -130,14 +130,14 @@ impl Site<'_> {
         }
     }
 
-    /// Tries random places and turns; gives up where the room is full.
+    /// Tries random places and rotations; gives up where the room is full.
     fn find_place(&mut self, piece: Piece, margin: f64, rng: &mut ChaCha8Rng) {
         for _ in 0..ATTEMPTS {
             let angle = uniform(rng, 0.0, std::f64::consts::TAU);
             let x = uniform(rng, self.room.min[0], self.room.max[0]);
             let y = uniform(rng, self.room.min[1], self.room.max[1]);
-            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-            let place = Isometry3::from_parts(Translation3::new(x, y, 0.0), turn);
+            let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+            let place = Isometry3::from_parts(Translation3::new(x, y, 0.0), rotation);
             if self.stand(piece.clone(), &place, margin) {
                 return;
             }

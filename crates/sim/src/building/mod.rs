@@ -8,7 +8,6 @@ mod shell;
 pub(crate) use plan::Room;
 pub use plan::RoomParams;
 
-use crate::error::Error;
 use crate::furniture::Piece;
 use crate::random::{Stream, generator};
 use crate::scene::Scene;
@@ -21,8 +20,8 @@ pub(crate) struct Building {
 }
 
 impl Building {
-    pub(crate) fn generate(seed: u64, params: &RoomParams) -> Result<Self, Error> {
-        params.check()?;
+    /// The flat of a seed, by valid parameters.
+    pub(crate) fn generate(seed: u64, params: &RoomParams) -> Self {
         let mut rng = generator(seed, Stream::Building);
         let rooms = plan::draw_rooms(params, &mut rng);
         let mut solids = Piece::default();
@@ -31,10 +30,10 @@ impl Building {
             decoration::decorate(&mut solids, room, &holes, &mut rng);
             furnish::furnish(&mut solids, room, &holes, &mut rng);
         }
-        Ok(Self {
-            scene: Scene::new(solids.into_primitives())?,
+        Self {
+            scene: Scene::new(solids.into_primitives()),
             rooms,
-        })
+        }
     }
 }
 
@@ -45,7 +44,7 @@ mod tests {
 
     #[test]
     fn the_same_seed_builds_the_same_flat_and_another_seed_another() {
-        let flat = |seed| Scene::furnished_room(seed, &RoomParams::default()).unwrap();
+        let flat = |seed| Building::generate(seed, &RoomParams::default()).scene;
         assert_eq!(flat(1).primitives(), flat(1).primitives());
         assert_ne!(flat(1).primitives(), flat(2).primitives());
     }
@@ -53,11 +52,11 @@ mod tests {
     #[test]
     fn every_room_is_furnished_and_leaves_space_to_stand() {
         for seed in 0..5 {
-            let flat = Building::generate(seed, &RoomParams::default()).unwrap();
+            let flat = Building::generate(seed, &RoomParams::default());
             for room in &flat.rooms {
-                let inside = |p: &&crate::Primitive| {
-                    let centre = p.world_from_local().translation.vector;
-                    room.contains(centre.x, centre.y)
+                let inside = |p: &&crate::primitive::Primitive| {
+                    let center = p.world_from_local().translation.vector;
+                    room.contains(center.x, center.y)
                 };
                 assert!(flat.scene.primitives().iter().filter(inside).count() > 150);
                 let free = (0..400).filter(|k| {
@@ -72,32 +71,17 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_rooms_are_refused() {
-        let none = RoomParams {
-            num_rooms: 0,
-            ..RoomParams::default()
-        };
-        assert_eq!(
-            Scene::furnished_room(1, &none).unwrap_err(),
-            Error::Zero { name: "num_rooms" }
-        );
-        for params in [
-            RoomParams {
-                min_side: 1.0,
-                ..RoomParams::default()
-            },
-            RoomParams {
-                max_side: f64::NAN,
-                ..RoomParams::default()
-            },
-            RoomParams {
-                max_side: 4.0,
-                min_side: 5.0,
-                ..RoomParams::default()
-            },
-        ] {
-            let error = Scene::furnished_room(1, &params).unwrap_err();
-            assert!(matches!(error, Error::OutOfRange { .. }));
+    fn parameters_out_of_range_are_named() {
+        let default = RoomParams::default();
+        #[rustfmt::skip]
+        let cases = [
+            (RoomParams { num_rooms: 0, ..default }, "num_rooms"),
+            (RoomParams { min_side: 1.0, ..default }, "min_side"),
+            (RoomParams { max_side: f64::NAN, ..default }, "max_side"),
+            (RoomParams { max_side: 4.0, min_side: 5.0, ..default }, "max_side"),
+        ];
+        for (params, name) in cases {
+            assert_eq!(params.validate().unwrap_err().name, name);
         }
     }
 }

@@ -3,21 +3,21 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 
-use crate::error::{Error, check_count, check_range};
+use crate::error::{InvalidParameter, check_count, check_range};
 use crate::random::uniform;
 
-/// Thickness of the walls between rooms, in metres.
+/// Thickness of the walls between rooms, in meters.
 pub(crate) const PARTITION: f64 = 0.15;
 
 /// Size of a generated flat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoomParams {
-    /// Rooms in the row, 1 to a million. Default 1. Walks through several rooms hang together by the
+    /// Rooms in the row, 1 to a million. Default 1. Walks through several rooms are connected by the
     /// few scans taken in the passages: a much harder problem.
     pub num_rooms: usize,
-    /// Shortest side a room may have, in metres, 3 to 20. Default 4.4.
+    /// Shortest side a room may have, in meters, 3 to 20. Default 4.4.
     pub min_side: f64,
-    /// Longest side a room may have, in metres, `min_side` to 20. Default 5.8.
+    /// Longest side a room may have, in meters, `min_side` to 20. Default 5.8.
     pub max_side: f64,
 }
 
@@ -32,10 +32,15 @@ impl Default for RoomParams {
 }
 
 impl RoomParams {
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// The first parameter that is out of range.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
         check_count("num_rooms", self.num_rooms)?;
-        check_range("min_side", self.min_side, 3.0, 20.0)?;
-        check_range("max_side", self.max_side, self.min_side, 20.0)
+        check_range("min_side", self.min_side, 3.0..=20.0, "in [3, 20]")?;
+        let sides = self.min_side..=20.0;
+        check_range("max_side", self.max_side, sides, "in [min_side, 20]")
     }
 }
 
@@ -62,7 +67,7 @@ pub(crate) struct Wall {
 }
 
 impl Room {
-    pub(crate) fn centre(&self) -> [f64; 2] {
+    pub(crate) fn center(&self) -> [f64; 2] {
         [0, 1].map(|k| (self.min[k] + self.max[k]) / 2.0)
     }
 
@@ -75,10 +80,10 @@ impl Room {
         let [x0, y0] = self.min;
         let [x1, y1] = self.max;
         let quarter = std::f64::consts::FRAC_PI_2;
-        let wall = |corner: [f64; 2], turns: f64, length: f64, passage| Wall {
+        let wall = |corner: [f64; 2], quarters: f64, length: f64, passage| Wall {
             building_from_wall: Isometry3::from_parts(
                 Translation3::new(corner[0], corner[1], 0.0),
-                UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turns * quarter),
+                UnitQuaternion::from_axis_angle(&Vector3::z_axis(), quarters * quarter),
             ),
             length,
             passage,
@@ -94,7 +99,7 @@ impl Room {
     }
 }
 
-/// Rooms of random size, each shifted sideways against the one before, with wide passages.
+/// Rooms of random size, each moved sideways against the one before, with wide passages.
 pub(super) fn draw_rooms(params: &RoomParams, rng: &mut ChaCha8Rng) -> Vec<Room> {
     let mut rooms: Vec<Room> = Vec::with_capacity(params.num_rooms);
     let mut x = 0.0;
@@ -120,7 +125,7 @@ pub(super) fn draw_rooms(params: &RoomParams, rng: &mut ChaCha8Rng) -> Vec<Room>
     rooms
 }
 
-/// An opening inside the part of the wall that both rooms share.
+/// An opening inside the part of the wall that both rooms have in common.
 fn draw_passage(before: &Room, after: &Room, rng: &mut ChaCha8Rng) -> [f64; 2] {
     let low = before.min[1].max(after.min[1]);
     let high = before.max[1].min(after.max[1]);

@@ -8,7 +8,7 @@ use crate::furniture::Piece;
 use crate::primitive::Primitive;
 use crate::random::{chance, uniform};
 
-/// Thickness of the outer walls, in metres.
+/// Thickness of the outer walls, in meters.
 const OUTER: f64 = 0.3;
 
 /// A hole in a wall, in the wall's frame.

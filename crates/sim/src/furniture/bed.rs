@@ -35,8 +35,8 @@ fn pillows(piece: &mut Piece, half: f64, top: f64, rng: &mut ChaCha8Rng) {
             uniform(rng, 0.35, 0.5),
             uniform(rng, 0.1, 0.16),
         ];
-        let turn = Vector3::new(uniform(rng, 0.2, 0.5), 0.0, uniform(rng, -0.2, 0.2));
-        piece.tilted_block([x, 0.28, top + 0.1], size, turn);
+        let rotation = Vector3::new(uniform(rng, 0.2, 0.5), 0.0, uniform(rng, -0.2, 0.2));
+        piece.tilted_block([x, 0.28, top + 0.1], size, rotation);
     }
 }
 
@@ -50,11 +50,11 @@ fn blanket(piece: &mut Piece, half: f64, length: f64, top: f64, rng: &mut ChaCha
             fold,
             uniform(rng, 0.03, 0.12),
         ];
-        let turn = Vector3::new(uniform(rng, -0.2, 0.2), 0.0, uniform(rng, -0.25, 0.25));
+        let rotation = Vector3::new(uniform(rng, -0.2, 0.2), 0.0, uniform(rng, -0.25, 0.25));
         piece.tilted_block(
             [uniform(rng, -0.1, 0.1), y.min(length - 0.1), top + 0.02],
             size,
-            turn,
+            rotation,
         );
         y += fold;
     }

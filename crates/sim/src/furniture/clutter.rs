@@ -14,12 +14,12 @@ pub(super) fn box_pile(rng: &mut ChaCha8Rng) -> Piece {
     for _ in 0..count(rng, 2, 4) {
         let high = uniform(rng, 0.15, 0.4);
         let size = [side, side * uniform(rng, 0.6, 0.9), high];
-        piece.turned_block([0.0, 0.0, z + high / 2.0], size, uniform(rng, -0.4, 0.4));
+        piece.rotated_block([0.0, 0.0, z + high / 2.0], size, uniform(rng, -0.4, 0.4));
         z += high;
         side *= uniform(rng, 0.65, 0.95);
     }
     let beside = [(); 3].map(|()| uniform(rng, 0.2, 0.4));
-    piece.turned_block(
+    piece.rotated_block(
         [0.5, uniform(rng, -0.1, 0.1), beside[2] / 2.0],
         beside,
         uniform(rng, 0.0, 1.0),

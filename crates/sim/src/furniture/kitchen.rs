@@ -57,8 +57,8 @@ fn tap(piece: &mut Piece, x: f64, height: f64, rng: &mut ChaCha8Rng) {
     for k in 0..count(rng, 3, 6) {
         let y = 0.12 + 0.05 * k as f64;
         let radius = uniform(rng, 0.06, 0.13);
-        let centre = Point3::new(x - 0.35, y, height + radius);
-        piece.bar(centre, centre + Vector3::new(0.0, 0.015, 0.004), radius);
+        let center = Point3::new(x - 0.35, y, height + radius);
+        piece.bar(center, center + Vector3::new(0.0, 0.015, 0.004), radius);
     }
 }
 

@@ -36,24 +36,29 @@ impl Piece {
     }
 
     /// A box with the given middle and edge lengths.
-    pub(crate) fn block(&mut self, centre: [f64; 3], size: [f64; 3]) {
-        self.turned_block(centre, size, 0.0);
+    pub(crate) fn block(&mut self, center: [f64; 3], size: [f64; 3]) {
+        self.rotated_block(center, size, 0.0);
     }
 
-    /// A box turned about the vertical through its middle.
-    pub(crate) fn turned_block(&mut self, centre: [f64; 3], size: [f64; 3], angle: f64) {
-        self.tilted_block(centre, size, Vector3::z() * angle);
+    /// A box rotated about the vertical through its middle.
+    pub(crate) fn rotated_block(&mut self, center: [f64; 3], size: [f64; 3], angle: f64) {
+        self.tilted_block(center, size, Vector3::z() * angle);
     }
 
-    /// A box turned about its middle by a rotation vector.
-    pub(crate) fn tilted_block(&mut self, centre: [f64; 3], size: [f64; 3], turn: Vector3<f64>) {
-        let rotation = UnitQuaternion::from_scaled_axis(turn);
-        let place = Isometry3::from_parts(Translation3::from(Vector3::from(centre)), rotation);
+    /// A box rotated about its middle by a rotation vector.
+    pub(crate) fn tilted_block(
+        &mut self,
+        center: [f64; 3],
+        size: [f64; 3],
+        rotation_vector: Vector3<f64>,
+    ) {
+        let rotation = UnitQuaternion::from_scaled_axis(rotation_vector);
+        let place = Isometry3::from_parts(Translation3::from(Vector3::from(center)), rotation);
         self.add(Primitive::oriented_box(size.into(), place));
     }
 
-    pub(crate) fn ball(&mut self, centre: [f64; 3], radius: f64) {
-        self.add(Primitive::sphere(centre.into(), radius));
+    pub(crate) fn ball(&mut self, center: [f64; 3], radius: f64) {
+        self.add(Primitive::sphere(center.into(), radius));
     }
 
     /// An upright cylinder.

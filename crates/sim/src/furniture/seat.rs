@@ -20,7 +20,7 @@ pub(super) fn chair(rng: &mut ChaCha8Rng) -> Piece {
     back_rest(&mut piece, width, seat, top, rng);
     if chance(rng, 0.4) {
         let cushion = [width - 0.04, depth - 0.06, uniform(rng, 0.03, 0.07)];
-        piece.turned_block(
+        piece.rotated_block(
             [0.0, depth / 2.0 + 0.02, seat + cushion[2] / 2.0],
             cushion,
             0.06,
@@ -68,14 +68,14 @@ fn upholstered(inner: f64, seats: usize, rng: &mut ChaCha8Rng) -> Piece {
     arms(&mut piece, half, depth, rng);
     cushions(&mut piece, half, depth, base, seats, rng);
     for _ in 0..count(rng, 0, seats + 1) {
-        let centre = [uniform(rng, -0.8, 0.8) * half, 0.38, base + 0.3];
-        let turn = Vector3::new(
+        let center = [uniform(rng, -0.8, 0.8) * half, 0.38, base + 0.3];
+        let rotation = Vector3::new(
             uniform(rng, 0.2, 0.7),
             uniform(rng, -0.5, 0.5),
             uniform(rng, -0.5, 0.5),
         );
         let side = uniform(rng, 0.3, 0.42);
-        piece.tilted_block(centre, [side, 0.12, side], turn);
+        piece.tilted_block(center, [side, 0.12, side], rotation);
     }
     piece
 }

@@ -7,7 +7,7 @@ use super::piece::Piece;
 use super::tabletop::tabletop_items;
 use crate::random::{chance, count, uniform};
 
-/// Thickness of boards, in metres.
+/// Thickness of boards, in meters.
 const BOARD: f64 = 0.025;
 
 /// Uneven shelves full of books and odds and ends.
@@ -76,8 +76,8 @@ fn books(
         } else {
             0.0
         };
-        let centre = [x + thick / 2.0, front / 2.0, high / 2.0];
-        piece.tilted_block(centre, [thick, front, high], Vector3::y() * lean);
+        let center = [x + thick / 2.0, front / 2.0, high / 2.0];
+        piece.tilted_block(center, [thick, front, high], Vector3::y() * lean);
         x += thick + lean * 0.3;
     }
     x
@@ -131,7 +131,7 @@ pub(super) fn wardrobe(rng: &mut ChaCha8Rng) -> Piece {
             uniform(rng, 0.1, 0.3),
         ];
         let angle = uniform(rng, -0.3, 0.3);
-        piece.turned_block([x, size[1] / 2.0, size[2] + carton[2] / 2.0], carton, angle);
+        piece.rotated_block([x, size[1] / 2.0, size[2] + carton[2] / 2.0], carton, angle);
         x += 0.5;
     }
     piece

@@ -82,8 +82,12 @@ fn screen(rng: &mut ChaCha8Rng) -> Piece {
     let lift = uniform(rng, 0.1, 0.2);
     piece.block([0.0, 0.02, 0.01], [0.26, 0.2, 0.02]);
     piece.post([0.0, 0.0, 0.0], 0.025, lift + high / 2.0);
-    let turn = Vector3::new(uniform(rng, -0.2, 0.0), 0.0, uniform(rng, -0.4, 0.4));
-    piece.tilted_block([0.0, 0.03, lift + high / 2.0], [width, 0.03, high], turn);
+    let rotation = Vector3::new(uniform(rng, -0.2, 0.0), 0.0, uniform(rng, -0.4, 0.4));
+    piece.tilted_block(
+        [0.0, 0.03, lift + high / 2.0],
+        [width, 0.03, high],
+        rotation,
+    );
     piece
 }
 

@@ -7,7 +7,7 @@ use super::piece::Piece;
 use crate::random::{chance, count, uniform};
 
 /// About `number` things on a surface z = 0 of `width` (around x = 0) and `depth` (from y = 0),
-/// side by side and each turned at random.
+/// side by side and each rotated at random.
 pub(crate) fn tabletop_items(width: f64, depth: f64, number: usize, rng: &mut ChaCha8Rng) -> Piece {
     let mut items = Piece::default();
     let cell = width / number.max(1) as f64;
@@ -16,8 +16,8 @@ pub(crate) fn tabletop_items(width: f64, depth: f64, number: usize, rng: &mut Ch
         let x = -width / 2.0 + (k as f64 + uniform(rng, 0.35, 0.65)) * cell;
         let y = depth * uniform(rng, 0.35, 0.65);
         let angle = uniform(rng, 0.0, std::f64::consts::TAU);
-        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-        let place = Isometry3::from_parts(Translation3::new(x, y, 0.0), turn);
+        let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        let place = Isometry3::from_parts(Translation3::new(x, y, 0.0), rotation);
         items.put(item(reach, rng), &place);
     }
     items
@@ -76,7 +76,7 @@ fn book_stack(reach: f64, rng: &mut ChaCha8Rng) -> Piece {
         let thickness = uniform(rng, 0.02, 0.06);
         let size = [0.7 * reach, 0.5 * reach].map(|side| side * uniform(rng, 0.7, 1.1));
         let angle = uniform(rng, -0.5, 0.5);
-        piece.turned_block(
+        piece.rotated_block(
             [0.0, 0.0, z + thickness / 2.0],
             [size[0], size[1], thickness],
             angle,
@@ -103,8 +103,8 @@ fn small_plant(rng: &mut ChaCha8Rng) -> Piece {
     piece.post([0.0, 0.0, 0.0], uniform(rng, 0.05, 0.08), height);
     for _ in 0..count(rng, 3, 6) {
         let offset = [(); 2].map(|()| uniform(rng, -0.08, 0.08));
-        let centre = [offset[0], offset[1], height + uniform(rng, 0.03, 0.18)];
-        piece.ball(centre, uniform(rng, 0.03, 0.07));
+        let center = [offset[0], offset[1], height + uniform(rng, 0.03, 0.18)];
+        piece.ball(center, uniform(rng, 0.03, 0.07));
     }
     piece
 }

@@ -2,14 +2,13 @@
 
 mod cuboid;
 mod cylinder;
-mod rectangle;
 mod sphere;
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
-/// A solid centred at the origin of its own frame. Lengths in metres.
+/// A solid centered at the origin of its own frame. Lengths in meters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
+pub(crate) enum Shape {
     /// A box with faces across the axes.
     Cuboid {
         /// Half the edge lengths.
@@ -17,7 +16,7 @@ pub enum Shape {
     },
     /// A ball.
     Sphere {
-        /// Distance from the centre to the surface.
+        /// Distance from the center to the surface.
         radius: f64,
     },
     /// A capped cylinder about the z axis.
@@ -26,11 +25,6 @@ pub enum Shape {
         radius: f64,
         /// Half the distance between the caps.
         half_height: f64,
-    },
-    /// A flat rectangle in the plane z = 0, seen from both sides.
-    Rectangle {
-        /// Half the edge lengths along x and y.
-        half_extents: Vector2<f64>,
     },
 }
 
@@ -55,13 +49,10 @@ impl Shape {
                 radius,
                 half_height,
             } => cylinder::intersect(*radius, *half_height, origin, direction),
-            Self::Rectangle { half_extents } => {
-                rectangle::intersect(half_extents, origin, direction)
-            }
         }
     }
 
-    /// Distance from `point` to the surface, negative inside; never negative for a rectangle.
+    /// Distance from `point` to the surface, negative inside.
     pub(crate) fn signed_distance(&self, point: &Vector3<f64>) -> f64 {
         match self {
             Self::Cuboid { half_extents } => cuboid::signed_distance(half_extents, point),
@@ -70,7 +61,6 @@ impl Shape {
                 radius,
                 half_height,
             } => cylinder::signed_distance(*radius, *half_height, point),
-            Self::Rectangle { half_extents } => rectangle::distance(half_extents, point),
         }
     }
 
@@ -83,7 +73,6 @@ impl Shape {
                 radius,
                 half_height,
             } => Vector3::new(*radius, *radius, *half_height),
-            Self::Rectangle { half_extents } => Vector3::new(half_extents.x, half_extents.y, 0.0),
         }
     }
 }

@@ -29,14 +29,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_through_the_centre_meets_the_near_side() {
+    fn a_ray_through_the_center_meets_the_near_side() {
         let hit = intersect(0.5, &Vector3::new(0.0, 0.0, -3.0), &Vector3::z()).unwrap();
         assert_eq!(hit.distance, 2.5);
         assert_eq!(hit.normal, -Vector3::z());
     }
 
     #[test]
-    fn a_ray_from_the_centre_meets_the_surface_one_radius_away() {
+    fn a_ray_from_the_center_meets_the_surface_one_radius_away() {
         let hit = intersect(0.5, &Vector3::zeros(), &Vector3::x()).unwrap();
         assert_eq!(hit.distance, 0.5);
     }
