@@ -37,11 +37,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     println!("inlier ratio      {:.2}", pose.inlier_ratio);
     let a_from_b = set.between_clouds(0, &pose.target_from_source, 1);
-    println!("from the second scan to the first:\n{:.4}", a_from_b.to_matrix());
+    println!(
+        "from the second scan to the first:\n{:.4}",
+        a_from_b.to_matrix()
+    );
 
     // How well each direction is determined, for a pose graph of your own.
     let information = pair.information(params.cliques.inlier_threshold);
-    println!("information (translation, rotation):\n{:.0}", information.unwrap_or_default());
+    println!(
+        "information (translation, rotation):\n{:.0}",
+        information.unwrap_or_default()
+    );
     Ok(())
 }
 

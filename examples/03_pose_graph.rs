@@ -28,7 +28,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let solved = synchronize(&graph, &params)?;
     println!("{} poses, {} edges", graph.num_scans(), graph.edges().len());
     println!("components        {}", solved.components.members().len());
-    let converged = solved.reports.iter().all(|report| report.positions_converged());
+    let converged = solved
+        .reports
+        .iter()
+        .all(|report| report.positions_converged());
     println!("positions solved  {converged}");
 
     // An edge that lost nine tenths of its weight contradicts the others.
@@ -39,7 +42,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Poses behind a bridge hang on a single edge.
     let ends = kept.iter().map(|edge| (edge.i, edge.j));
-    println!("bridges           {}", bridges(graph.num_scans(), ends).len());
+    println!(
+        "bridges           {}",
+        bridges(graph.num_scans(), ends).len()
+    );
 
     let graph = PoseGraph::new(graph.num_scans(), kept)?;
     let again = synchronize(&graph, &SyncParams::default())?;
@@ -57,5 +63,8 @@ fn simulated() -> Result<PoseGraph, Box<dyn Error>> {
         i_from_j: edge.i_from_j,
         weight: edge.weight,
     });
-    Ok(PoseGraph::new(simulated.world_from_scan.len(), edges.collect())?)
+    Ok(PoseGraph::new(
+        simulated.world_from_scan.len(),
+        edges.collect(),
+    )?)
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gmpcr::{Cloud, Scan, ScanSet, compute_features_with};
-use gmpcr_io::{DescriptorFiles, Scene, descriptor_files};
+use gmpcr_io::{DescriptorFiles, descriptor_files, descriptor_files_of_clouds};
 use rayon::prelude::*;
 
 use crate::config::Config;
@@ -32,9 +32,8 @@ impl Input {
         config: &Config,
         progress: &Progress,
     ) -> Result<Self, Failure> {
-        let (clouds, reading) = progress.stage("reading", files.len(), || {
-            read_clouds(files, progress)
-        })?;
+        let (clouds, reading) =
+            progress.stage("reading", files.len(), || read_clouds(files, progress))?;
         let (mut files, clouds): (Vec<_>, Vec<_>) = clouds.into_iter().unzip();
         let in_voxels = config.features_in_voxels();
         let set = compute_features_with(clouds, config.voxel_size, in_voxels, progress)
@@ -73,16 +72,15 @@ impl Input {
         let sets = if files.is_empty() {
             descriptor_files(folder)?
         } else {
-            (clouds, reading) = progress.stage("reading", files.len(), || {
-                read_clouds(files, progress)
-            })?;
+            (clouds, reading) =
+                progress.stage("reading", files.len(), || read_clouds(files, progress))?;
             if clouds.len() != files.len() {
                 return Err("--descriptors needs one scan in a file".into());
             }
-            Scene::of_files(files, folder)?
+            descriptor_files_of_clouds(files, folder)?
         };
         let (mut scans, describing) = progress.stage("descriptors", sets.len(), || {
-            let read = |files: &DescriptorFiles| progress.item(|| files.read_scan());
+            let read = |files: &DescriptorFiles| progress.item(|| files.read());
             let scans: Result<Vec<_>, Failure> = sets.par_iter().map(read).collect();
             Ok(scans?.into_iter().collect::<Result<Vec<Scan>, _>>()?)
         })?;

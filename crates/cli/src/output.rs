@@ -121,18 +121,27 @@ impl Output<'_> {
             true => Coordinates::Double,
             false => Coordinates::Single,
         };
-        let points = scans.iter().map(|&scan| self.downsampled(&set.clouds[scan].points));
+        let points = scans
+            .iter()
+            .map(|&scan| self.downsampled(&set.clouds[scan].points));
         let points = points.collect::<Result<Vec<_>, Failure>>()?;
         let file_from_points = set.cloud_from_local();
-        let clouds = scans.iter().zip(points).map(|(&scan, points)| ColoredCloud {
-            points,
-            world_from_points: self.registration().world_from_scan[scan] * file_from_points[scan],
-            color: distinct_color(scan),
-        });
+        let clouds = scans
+            .iter()
+            .zip(points)
+            .map(|(&scan, points)| ColoredCloud {
+                points,
+                world_from_points: self.registration().world_from_scan[scan]
+                    * file_from_points[scan],
+                color: distinct_color(scan),
+            });
         Ok(write_merged_ply(path, coordinates, clouds)?)
     }
 
-    fn downsampled<'p>(&self, points: &'p [Point3<f64>]) -> Result<Cow<'p, [Point3<f64>]>, Failure> {
+    fn downsampled<'p>(
+        &self,
+        points: &'p [Point3<f64>],
+    ) -> Result<Cow<'p, [Point3<f64>]>, Failure> {
         let Some(voxel_size) = self.downsample else {
             return Ok(points.into());
         };

@@ -1,6 +1,6 @@
 //! `result.json`: everything that a registration has found, for programs.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use gmpcr::Registration;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,6 @@ use serde_json::Value;
 
 use crate::config::Config;
 use crate::input::Input;
-use crate::outcome::Failure;
 use crate::warnings::Notice;
 
 /// The form of the file that this version writes. Form 1, which had a layout of its own, is still read by
@@ -96,15 +95,6 @@ impl ResultFile {
             registration,
             warnings,
         }
-    }
-
-    pub fn read(path: &Path) -> Result<Self, Failure> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| format!("cannot read {}: {error}", path.display()))?;
-        serde_json::from_str(&text).map_err(|error| {
-            let reason = format!("no result.json of this version of gmpcr register: {error}");
-            Failure::of(path, reason)
-        })
     }
 }
 

@@ -86,7 +86,10 @@ pub fn read_clouds(files: &[PathBuf], progress: &Progress) -> Result<Vec<NamedCl
         }
         if scan.invalid > 0 {
             let invalid = counted(scan.invalid, "point");
-            progress.say(&format!("{}: {invalid} without a position left out", scan.name));
+            progress.say(&format!(
+                "{}: {invalid} without a position left out",
+                scan.name
+            ));
         }
     }
     Ok(clouds)
@@ -132,8 +135,7 @@ mod tests {
 
     #[test]
     fn names_stay_on_their_line() {
-        let (scan, _) =
-            ScanFile::with_points("a\nb", Path::new("a\nb"), PointFile::default());
+        let (scan, _) = ScanFile::with_points("a\nb", Path::new("a\nb"), PointFile::default());
         assert_eq!(scan.name, "a\u{fffd}b");
     }
 }

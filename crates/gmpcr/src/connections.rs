@@ -8,9 +8,10 @@ impl Registration {
     /// Positions of the edges of the spanning forest of largest final weight, weakest first: where the
     /// result would fall apart first.
     pub fn weakest_edges(&self) -> Vec<usize> {
-        let edges = self.edges.iter().map(|edge| {
-            (edge.i, edge.j, edge.synchronization.final_weight)
-        });
+        let edges = self
+            .edges
+            .iter()
+            .map(|edge| (edge.i, edge.j, edge.synchronization.final_weight));
         maximum_spanning_forest(self.ids.len(), edges)
     }
 

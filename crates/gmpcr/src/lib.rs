@@ -84,9 +84,7 @@ pub use edge::{Edge, UnresolvedPair};
 pub use error::Error;
 pub use gmpcr_correspondence::{Descriptors, Scan};
 pub use incremental::IncrementalRegistration;
-pub use pair::{
-    MAX_CORRESPONDENCES, PairRegistration, register_correspondences, register_pair,
-};
+pub use pair::{MAX_CORRESPONDENCES, PairRegistration, register_correspondences, register_pair};
 pub use params::Params;
 pub use preset::{Preset, UnknownPreset};
 pub use progress::Observer;

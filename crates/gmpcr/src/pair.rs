@@ -1,6 +1,4 @@
-use gmpcr_cliques::{
-    Compatibility, PoseEstimate, estimate_pose, information_matrix, inliers,
-};
+use gmpcr_cliques::{Compatibility, PoseEstimate, estimate_pose, information_matrix, inliers};
 use gmpcr_compatibility::SpectralFilter;
 use gmpcr_correspondence::{Keypoints, Scan};
 use gmpcr_geometry::PointPairs;
@@ -36,9 +34,11 @@ impl PairRegistration {
     pub fn inlier_pairs(&self, inlier_threshold: f64) -> PointPairs {
         let retained = self.retained_pairs();
         match &self.estimate.pose {
-            Some(pose) => {
-                retained.select(&inliers(&retained, &pose.target_from_source, inlier_threshold))
-            }
+            Some(pose) => retained.select(&inliers(
+                &retained,
+                &pose.target_from_source,
+                inlier_threshold,
+            )),
             None => PointPairs::default(),
         }
     }

@@ -1,11 +1,11 @@
 use gmpcr_cliques::CliqueParams;
 use gmpcr_compatibility::CompatibilityParams;
 use gmpcr_correspondence::CorrespondenceParams;
-use gmpcr_posegraph::PoseGraphParams;
-use gmpcr_retrieval::RetrievalParams;
 #[cfg(feature = "fpfh")]
 use gmpcr_features::FeatureParams;
 use gmpcr_geometry::InvalidParameter;
+use gmpcr_posegraph::PoseGraphParams;
+use gmpcr_retrieval::RetrievalParams;
 use gmpcr_sync::SyncParams;
 
 /// Parameters of all stages. The default is [`Params::threedmatch`].

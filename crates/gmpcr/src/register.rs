@@ -7,9 +7,7 @@ use crate::known_pairs::KnownPairs;
 use crate::pair::check_number;
 use crate::pipeline::Pipeline;
 use crate::source::Source;
-use crate::{
-    Error, IncrementalRegistration, Observer, Params, Registration, ScanId, StageTimes,
-};
+use crate::{Error, IncrementalRegistration, Observer, Params, Registration, ScanId, StageTimes};
 
 /// Registers scans: one pose per scan, consistent over all of them, with its support and diagnostics.
 ///

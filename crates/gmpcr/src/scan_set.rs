@@ -87,7 +87,9 @@ pub fn compute_features_with(
         voxel_size_of(&clouds, voxel_size, observer)
     })?;
     let params = in_voxels.scaled(voxel_size);
-    params.validate().map_err(|error| error.within("features"))?;
+    params
+        .validate()
+        .map_err(|error| error.within("features"))?;
     let progress = StageProgress::begin(Stage::Features, clouds.len(), observer);
     let compute = |cloud: &mut LocalCloud| progress.item(|| Ok(scan_of(cloud, &params)));
     let computed: Vec<_> = times.timed(Stage::Features, || {

@@ -22,7 +22,9 @@ impl Source<'_> {
         match self {
             Self::Keypoints(keypoints) => {
                 let n = keypoints.len();
-                (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).collect()
+                (0..n)
+                    .flat_map(|i| (i + 1..n).map(move |j| (i, j)))
+                    .collect()
             }
             Self::Matches(matches) => matches.keys().copied().collect(),
         }

@@ -78,10 +78,16 @@ impl fmt::Display for Warning {
                 write!(formatter, "scans {scans:?} share a frame of their own")
             }
             Self::Loose { scans } => {
-                write!(formatter, "only distrusted edges connect scans {scans:?} to their frame")
+                write!(
+                    formatter,
+                    "only distrusted edges connect scans {scans:?} to their frame"
+                )
             }
             Self::Bridge { edge, scans } => {
-                write!(formatter, "only edge {edge} connects scans {scans:?} to their frame")
+                write!(
+                    formatter,
+                    "only edge {edge} connects scans {scans:?} to their frame"
+                )
             }
             Self::Contradiction { edge } => {
                 write!(formatter, "the result contradicts edge {edge}")

@@ -9,8 +9,8 @@ use std::time::Duration;
 use gmpcr::correspondence::{Keypoints, correspondences};
 use gmpcr::retrieval::RetrievalParams;
 use gmpcr::{
-    Descriptors, Error, IncrementalRegistration, Observer, Params, Registration, Scan, Stage, register,
-    register_correspondences, register_matches, register_observed, register_pair,
+    Descriptors, Error, IncrementalRegistration, Observer, Params, Registration, Scan, Stage,
+    register, register_correspondences, register_matches, register_observed, register_pair,
 };
 
 /// A fixed number in (−1, 1) that looks random.
@@ -92,7 +92,10 @@ fn views_of_one_cloud_are_registered() {
     assert!(registration.connectivity.is_connected);
     for scan in 0..VIEWS.num_scans {
         let ground_truth = VIEWS.pose(0).inv_mul(&VIEWS.pose(scan));
-        let error = registration.i_from_j(0, scan).unwrap().inv_mul(&ground_truth);
+        let error = registration
+            .i_from_j(0, scan)
+            .unwrap()
+            .inv_mul(&ground_truth);
         assert!(
             error.translation.vector.norm() < 0.03,
             "scan {scan}: {error}"
@@ -148,7 +151,11 @@ fn moving_a_scan_moves_its_pose_and_keeps_the_support() {
     let scans = VIEWS.scans();
     let transformation = Isometry3::new(Vector3::new(3.0, -1.0, 2.0), Vector3::new(0.5, 1.5, -1.0));
     let mut moved = scans.clone();
-    let points = scans[3].points().iter().map(|p| transformation * p).collect();
+    let points = scans[3]
+        .points()
+        .iter()
+        .map(|p| transformation * p)
+        .collect();
     moved[3] = Scan::new(points, scans[3].descriptors().clone()).unwrap();
     let [a, b] = [scans, moved].map(|scans| register(&scans, &Params::default()).unwrap());
     for scan in 0..VIEWS.num_scans {
@@ -560,7 +567,10 @@ fn retrieved_pairs_are_scored_round_by_round_and_others_never() {
     assert!(registration.connectivity.is_connected);
     for (scan, pose) in registration.world_from_scan.iter().enumerate() {
         let ground_truth = VIEWS.pose(0).inverse() * VIEWS.pose(scan);
-        assert!(difference(pose, &ground_truth) < 0.05, "scan {scan}: {pose}");
+        assert!(
+            difference(pose, &ground_truth) < 0.05,
+            "scan {scan}: {pose}"
+        );
     }
 }
 
@@ -633,7 +643,10 @@ fn ids_survive_the_removal_of_other_scans() {
         Err(Error::UnknownScan { scan }) if scan == ids[0]
     ));
     let pair = incremental.pair(ids[1], ids[2]).unwrap();
-    assert_eq!(pair, register_pair(&scans[1], &scans[2], &Params::default()).unwrap());
+    assert_eq!(
+        pair,
+        register_pair(&scans[1], &scans[2], &Params::default()).unwrap()
+    );
 }
 
 #[test]
@@ -659,15 +672,25 @@ fn correspondences_that_cannot_be_are_an_error() {
     let points = vec![Point3::origin(); gmpcr::MAX_CORRESPONDENCES + 1];
     let many = gmpcr::geometry::PointPairs::new(points.clone(), points).unwrap();
     let params = Params::default();
-    let message = register_correspondences(&many, &params).unwrap_err().to_string();
-    assert!(message.starts_with("5001 correspondences of a pair: at most 5000"), "{message}");
+    let message = register_correspondences(&many, &params)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.starts_with("5001 correspondences of a pair: at most 5000"),
+        "{message}"
+    );
     let outcome = |i, j| {
         let matches = [((i, j), Default::default())].into();
-        register_matches(3, &matches, &params, &()).unwrap_err().to_string()
+        register_matches(3, &matches, &params, &())
+            .unwrap_err()
+            .to_string()
     };
     let reason = "a pair must have i < j < 3";
     for (i, j) in [(1, 1), (2, 1), (0, 3)] {
-        assert_eq!(outcome(i, j), format!("correspondences of scans ({i}, {j}): {reason}"));
+        assert_eq!(
+            outcome(i, j),
+            format!("correspondences of scans ({i}, {j}): {reason}")
+        );
     }
     assert!(matches!(
         register_matches(0, &Default::default(), &params, &()),
@@ -680,10 +703,13 @@ fn correspondences_that_cannot_be_are_an_error() {
 #[test]
 fn other_coordinates_of_the_scans_change_the_poses_alike() {
     let registration = register(&VIEWS.scans(), &Params::default()).unwrap();
-    let frame = |scan: usize| Isometry3::new(Vector3::new(5e5, 1.0, scan as f64), Vector3::z() * 0.1);
+    let frame =
+        |scan: usize| Isometry3::new(Vector3::new(5e5, 1.0, scan as f64), Vector3::z() * 0.1);
     let new_from_old: Vec<_> = (0..VIEWS.num_scans).map(frame).collect();
     let moved = registration.clone().with_scan_frames(&new_from_old);
-    let same = registration.clone().with_scan_frames(&vec![Isometry3::identity(); VIEWS.num_scans]);
+    let same = registration
+        .clone()
+        .with_scan_frames(&vec![Isometry3::identity(); VIEWS.num_scans]);
     assert_same(&same, &registration);
     assert!(difference(&moved.world_from_scan[0], &Isometry3::identity()) < 1e-9);
     for (edge, before) in moved.edges.iter().zip(&registration.edges) {
@@ -718,7 +744,11 @@ fn results_and_parameters_come_back_from_files() {
     let read: Registration = serde_json::from_str(&text).unwrap();
     assert_eq!(read.ids, registration.ids);
     assert_eq!(read.components, registration.components);
-    for (a, b) in read.world_from_scan.iter().zip(&registration.world_from_scan) {
+    for (a, b) in read
+        .world_from_scan
+        .iter()
+        .zip(&registration.world_from_scan)
+    {
         assert!(difference(a, b) < 1e-14);
     }
     for (a, b) in read.edges.iter().zip(&registration.edges) {

@@ -129,7 +129,10 @@ fn check(scene: &str) {
     let found = agreement(&registration, &expected);
     assert!(found.confidence < 1e-6, "{found:?}");
     assert!(found.inlier_ratio < 1e-9, "{found:?}");
-    assert!(found.transformation < 1e-6 && found.pose < 1e-6, "{found:?}");
+    assert!(
+        found.transformation < 1e-6 && found.pose < 1e-6,
+        "{found:?}"
+    );
     assert!(
         found.initial_weight < 1e-9 && found.final_weight < 1e-9,
         "{found:?}"

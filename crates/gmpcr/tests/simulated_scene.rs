@@ -17,7 +17,10 @@ fn overlapping_scans_of_furnished_rooms_are_registered() {
             ..SimParams::default()
         };
         let scans = simulate(&params).unwrap();
-        let clouds = scans.clouds.iter().cloned().map(|points| Cloud { points, viewpoint: None });
+        let clouds = scans.clouds.iter().cloned().map(|points| Cloud {
+            points,
+            viewpoint: None,
+        });
         let in_voxels = FeatureParams::from_voxel_size(1.0);
         let set = compute_features_with(clouds.collect(), Some(0.05), &in_voxels, &()).unwrap();
         let registration = register(&set.scans, &Params::threedmatch()).unwrap();

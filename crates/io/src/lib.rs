@@ -91,6 +91,7 @@ mod posed_graph;
 mod poses;
 mod rigid;
 mod rows;
+mod scans;
 mod text;
 mod world_poses;
 mod xyz;
@@ -121,6 +122,7 @@ pub use points::PointFile;
 pub use pose_matrix::read_pose_matrix;
 pub use posed_graph::{MeasuredEdge, PosedGraph, PosedGraphError};
 pub use poses::{read_poses, read_poses_tum, write_poses_3x4, write_poses_tum};
+pub use scans::{FileScan, read_scans};
 pub use world_poses::read_world_poses;
 pub use xyz::read_xyz;
 

@@ -2,7 +2,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use gmpcr_geometry::InvalidParameter;
-use gmpcr_posegraph::PairConfidences;
+use gmpcr_posegraph::{PairConfidences, PoseGraphParams};
 
 use crate::RetrievalParams;
 use crate::candidates::union;
@@ -41,7 +41,7 @@ pub fn further_pairs(
         return Ok(Vec::new());
     }
     let max_candidates = params.candidates_per_expansion;
-    let neighborhoods = neighborhoods(scored, max_candidates);
+    let neighborhoods = neighborhoods(scored, max_candidates)?;
     let proposals = (0..scored.num_scans()).map(|scan| {
         let is_new = |other| other != scan && !is_scored(scored, scan, other);
         let mut affinities = two_steps_away(scan, &neighborhoods);
@@ -55,14 +55,14 @@ pub fn further_pairs(
 type Tie = (usize, f64);
 
 /// The neighbors of each scan, ascending.
-fn neighborhoods(scored: &PairConfidences, k: usize) -> Vec<Vec<Tie>> {
+fn neighborhoods(scored: &PairConfidences, k: usize) -> Result<Vec<Vec<Tie>>, InvalidParameter> {
     let mut neighborhoods = vec![Vec::new(); scored.num_scans()];
-    for position in scored.top_k_union(k) {
+    for position in scored.top_k_union(&PoseGraphParams { neighbors: k })? {
         let (pair, confidence) = (&scored.pairs()[position], scored.normalized()[position]);
         neighborhoods[pair.i].push((pair.j, confidence));
         neighborhoods[pair.j].push((pair.i, confidence));
     }
-    neighborhoods
+    Ok(neighborhoods)
 }
 
 /// Products of confidences, summed over the neighbors that lead to each scan.

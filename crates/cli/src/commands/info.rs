@@ -98,11 +98,7 @@ struct Overlap {
 }
 
 /// Guesses for the pairs that a registration selects, whatever the rest of the scans says of them.
-fn overlaps(
-    input: &Input,
-    config: &Config,
-    progress: &Progress,
-) -> Result<Vec<Overlap>, Failure> {
+fn overlaps(input: &Input, config: &Config, progress: &Progress) -> Result<Vec<Overlap>, Failure> {
     let voxel_size = input.set.voxel_size;
     let scans = &input.set.scans;
     let registration = register_observed(scans, &config.params(voxel_size), progress)

@@ -73,7 +73,9 @@ fn text(
     let [target, source] = [0, 1].map(|scan| input.name(scan));
     let mut text = match target_from_source {
         Some(found) => transformation(found, target, source),
-        None => format!("no transformation found: {source} and {target} seem to share no surface\n\n"),
+        None => {
+            format!("no transformation found: {source} and {target} seem to share no surface\n\n")
+        }
     };
     let inliers = pair.estimate.pose.as_ref().map(|pose| {
         format!(

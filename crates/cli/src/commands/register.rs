@@ -66,7 +66,8 @@ fn check_number(input: &Input) -> Result<(), Failure> {
     }
     let first = problems.first();
     let first = first.map_or(String::new(), |problem| format!("; {problem}"));
-    let reason = format!("{num_readable} of {num_files} scans could be read: at least two are needed");
+    let reason =
+        format!("{num_readable} of {num_files} scans could be read: at least two are needed");
     Err((reason + &first).into())
 }
 

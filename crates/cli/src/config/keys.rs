@@ -54,10 +54,7 @@ pub(super) const KEYS: &[(&str, &str)] = &[
         "compatibility.retained_fraction",
         "Fraction of the correspondences that the spectral filter retains, r_s.",
     ),
-    (
-        "posegraph.neighbors",
-        "Edges that each scan proposes, K.",
-    ),
+    ("posegraph.neighbors", "Edges that each scan proposes, K."),
     (
         "cliques.max_cliques",
         "Cliques per pair that propose a relative pose, K_c.",
@@ -78,10 +75,7 @@ pub(super) const KEYS: &[(&str, &str)] = &[
         "sync.method",
         "adaptive (the paper's), no-recovery, sghr, memoryless, eigse3, l1, l1-irls, rotavg-lhalf, hara or consensus.",
     ),
-    (
-        "sync.iterations",
-        "Reweighting iterations, L.",
-    ),
+    ("sync.iterations", "Reweighting iterations, L."),
     (
         "sync.residual_scale",
         "Rotation residual that costs an edge the factor e, s_r, in degrees.",

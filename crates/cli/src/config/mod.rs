@@ -133,12 +133,18 @@ impl Config {
         *place = match place {
             Value::String(_) => json!(value.as_str().ok_or_else(|| wanted("a name"))?),
             Value::Number(before) if before.is_u64() => {
-                let count = value.as_integer().and_then(|value| usize::try_from(value).ok());
+                let count = value
+                    .as_integer()
+                    .and_then(|value| usize::try_from(value).ok());
                 json!(count.ok_or_else(|| wanted("a whole number"))?)
             }
             _ => {
                 let number = number().ok_or_else(|| wanted("a number"))?;
-                json!(if name == RESIDUAL_SCALE { number.to_radians() } else { number })
+                json!(if name == RESIDUAL_SCALE {
+                    number.to_radians()
+                } else {
+                    number
+                })
             }
         };
         self.in_voxels = serde_json::from_value(tree).map_err(|error| error.to_string())?;
@@ -179,7 +185,9 @@ impl Config {
 
     /// All parameters by their paths.
     pub fn to_json(&self) -> Value {
-        let values = KEYS.iter().map(|(path, _)| ((*path).to_owned(), self.get(path)));
+        let values = KEYS
+            .iter()
+            .map(|(path, _)| ((*path).to_owned(), self.get(path)));
         Value::Object(values.collect())
     }
 }
@@ -296,7 +304,11 @@ mod tests {
         let text = Config::preset(Preset::default()).to_toml();
         let comment = text.lines().zip(text.lines().skip(1));
         let comment = comment.filter(|(_, line)| line.starts_with("min_affinity"));
-        assert!(comment.map(|(comment, _)| comment).all(|c| c.starts_with("# First-order")));
+        assert!(
+            comment
+                .map(|(comment, _)| comment)
+                .all(|c| c.starts_with("# First-order"))
+        );
     }
 
     #[test]

@@ -69,9 +69,8 @@ impl PairList {
             let reason = format!("it and {log} list different pairs: {difference}");
             return Err(Error::malformed(&info, reason));
         }
-        let name = log.file_stem().unwrap_or_default().to_string_lossy();
         Ok(Self {
-            name: name.into_owned(),
+            name: list_name(log),
             file: log.to_owned(),
             pairs,
             information: information.map(matrices),
@@ -196,4 +195,14 @@ fn check_pairs(log: &Path, pairs: &[LogEntry], scans: &Numbered, problems: &mut 
         &format!("{file} pairs scans with themselves"),
         itself.map(|pair| pair.i.to_string()),
     );
+}
+/// The name of the file. A `gt.log` is named by its folder, too: `3DLoMatch/gt.log` is not the list of 3DMatch.
+fn list_name(log: &Path) -> String {
+    let stem = log.file_stem().unwrap_or_default().to_string_lossy();
+    let folder = log.parent().and_then(Path::file_name).unwrap_or_default();
+    let folder = folder.to_string_lossy();
+    match stem == "gt" && folder.to_ascii_lowercase().contains("match") {
+        true => format!("{folder}/gt"),
+        false => stem.into_owned(),
+    }
 }

@@ -27,7 +27,9 @@ impl Estimate {
         let estimate = known.and_then(|content| match content["format"].as_u64() {
             Some(1) => Self::of_form_1(content),
             Some(format) if format == u64::from(FORMAT) => Self::of_form_2(content),
-            Some(format) => Err(format!("the form of the file is {format}, known are 1 and {FORMAT}")),
+            Some(format) => Err(format!(
+                "the form of the file is {format}, known are 1 and {FORMAT}"
+            )),
             None => Err("it has no \"format\"".into()),
         });
         estimate.map_err(|reason| {

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use gmpcr::nalgebra::{Isometry3, Matrix6};
 use gmpcr_eval::{
-    Gauge, GroundTruthPair, PairError, PairErrors, PoseError, Protocol, WorldPoses,
-    absolute_errors, registration_recall,
+    Gauge, GroundTruthPair, PairErrors, PoseError, Protocol, WorldPoses, absolute_errors,
+    registration_recall,
 };
 use gmpcr_io::PairList;
 use serde_json::{Map, Value, json};
@@ -104,23 +104,20 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Errors of all relative poses, and of the poses of the largest component after the best alignment.
-    pub fn judge_poses(
-        &mut self,
-        ground_truth: &[Option<Isometry3<f64>>],
-    ) -> Result<(), Failure> {
+    pub fn judge_poses(&mut self, ground_truth: &[Option<Isometry3<f64>>]) -> Result<(), Failure> {
         let known = ground_truth.iter().enumerate();
         let known: Vec<(usize, Isometry3<f64>)> = known
             .filter_map(|(scan, pose)| Some((scan, (*pose)?)))
             .collect();
         let relative = PairErrors::of_pairs(&all_pairs(&known), &self.poses)?;
         let absolute = self.absolute_errors(&known)?;
-        let num_judged = counted(absolute.pairs.len(), "scan");
+        let num_judged = counted(absolute.len(), "scan");
+        let of_frame = format!("poses of the largest frame ({num_judged})");
+        let relative_errors = [relative.mean(), relative.median()];
+        let absolute_errors = [PoseError::mean(&absolute), PoseError::median(&absolute)];
         let rows = [
-            row("relative poses of all pairs", &relative),
-            row(
-                &format!("poses of the largest frame ({num_judged})"),
-                &absolute,
-            ),
+            row("relative poses of all pairs", relative_errors),
+            row(&of_frame, absolute_errors),
         ];
         let header = [
             "error",
@@ -134,35 +131,34 @@ impl<'a> Evaluation<'a> {
         let _ = writeln!(self.text, "{num_known} with a known pose");
         self.text += &table(&header, rows);
         let _ = writeln!(self.text, "pairs without a common frame {num_missing}");
-        let json = |errors: &PairErrors| {
-            json!({
-                "mean": errors.mean().map(error_json),
-                "median": errors.median().map(error_json),
-            })
-        };
+        let json = |[mean, median]: [Option<PoseError>; 2]| json!({ "mean": mean.map(error_json), "median": median.map(error_json) });
         let entry = json!({
             "scans": known.len(),
             "without_common_frame": num_missing,
-            "relative": json(&relative),
-            "absolute": json(&absolute),
-            "absolute_scans": absolute.pairs.len(),
+            "relative": json(relative_errors),
+            "absolute": json(absolute_errors),
+            "absolute_scans": absolute.len(),
         });
         self.json.insert("poses".into(), entry);
         Ok(())
     }
 
     /// Of the scans of the largest component.
-    fn absolute_errors(&self, known: &[(usize, Isometry3<f64>)]) -> Result<PairErrors, Failure> {
+    fn absolute_errors(
+        &self,
+        known: &[(usize, Isometry3<f64>)],
+    ) -> Result<Vec<PoseError>, Failure> {
         let largest = self.estimate.largest_component();
         let judged = known.iter();
         let judged = judged.filter(|(scan, _)| self.estimate.labels[*scan] == largest);
         let (estimated, expected): (Vec<_>, Vec<_>) = judged
             .map(|&(scan, pose)| (self.estimate.world_from_scan[scan], pose))
             .unzip();
-        let errors = absolute_errors(&estimated, &expected, Gauge::LeastAbsolute)?;
-        Ok(PairErrors {
-            pairs: errors.into_iter().enumerate().map(of_one_scan).collect(),
-        })
+        Ok(absolute_errors(
+            &estimated,
+            &expected,
+            Gauge::LeastAbsolute,
+        )?)
     }
 }
 
@@ -172,7 +168,10 @@ fn ground_truth_pairs(list: &PairList) -> Vec<GroundTruthPair> {
         i: pair.i,
         j: pair.j,
         i_from_j: pair.i_from_j,
-        information: list.information.as_ref().map_or_else(Matrix6::zeros, |all| all[k]),
+        information: list
+            .information
+            .as_ref()
+            .map_or_else(Matrix6::zeros, |all| all[k]),
     });
     pairs.collect()
 }
@@ -202,18 +201,8 @@ fn pair_table(errors: &PairErrors) -> String {
     table(&["pair", "rotation", "translation"], rows)
 }
 
-/// The error of a scan, to be averaged like those of pairs.
-fn of_one_scan((scan, error): (usize, PoseError)) -> PairError {
-    PairError {
-        i: scan,
-        j: scan,
-        error: Some(error),
-    }
-}
-
-fn row(name: &str, errors: &PairErrors) -> [String; 5] {
-    let (mean, median) = (errors.mean(), errors.median());
-    let [mean, median] = [mean.as_ref(), median.as_ref()];
+fn row(name: &str, errors: [Option<PoseError>; 2]) -> [String; 5] {
+    let [mean, median] = errors.each_ref().map(Option::as_ref);
     [
         name.to_owned(),
         degrees(mean),

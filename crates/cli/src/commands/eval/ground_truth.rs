@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use gmpcr::nalgebra::{Isometry3, Matrix6};
-use gmpcr_io::{
-    Layout, LogEntry, PairList, read_gt_info, read_gt_log, read_scene, read_world_poses,
-};
+use gmpcr::nalgebra::Isometry3;
+use gmpcr_io::{Layout, PairList, read_scene, read_world_poses};
 
 use crate::outcome::Failure;
 
@@ -45,7 +43,7 @@ impl GroundTruth {
             return Err(other_scans(folder, scene.scans.len(), num_scans));
         }
         Ok(Self {
-            lists: scene.ground_truth.match_lists,
+            lists: scene.ground_truth.pair_lists,
             world_from_scan: scene.ground_truth.world_from_scan,
         })
     }
@@ -58,47 +56,13 @@ fn other_scans(ground_truth: &Path, num_known: usize, num_scans: usize) -> Failu
 
 /// The pairs of a `.log`, with the matrices of the `.info` of the same name where there is one.
 fn pair_list(path: &Path, num_scans: usize) -> Result<PairList, Failure> {
-    let pairs = read_gt_log(path)?;
-    let Some(last) = pairs.iter().map(|pair| pair.i.max(pair.j)).max() else {
-        return Err(Failure::of(path, "there is no pair in it"));
-    };
-    if last >= num_scans {
-        return Err(other_scans(path, last.saturating_add(1), num_scans));
+    let list = PairList::read(path)?;
+    let scans = list.pairs.iter().map(|pair| pair.i.max(pair.j));
+    match scans.max() {
+        None => Err(Failure::of(path, "there is no pair in it")),
+        Some(last) if last >= num_scans => {
+            Err(other_scans(path, last.saturating_add(1), num_scans))
+        }
+        Some(_) => Ok(list),
     }
-    let info = path.with_extension("info");
-    let information = match info.exists() {
-        true => Some(information_of(&pairs, &info)?),
-        false => None,
-    };
-    Ok(PairList {
-        name: list_name(path),
-        file: path.to_owned(),
-        pairs,
-        information,
-    })
-}
-
-/// The name of the file; that of a benchmark's folder comes first, since `3DLoMatch/gt.log` is no list of 3DMatch.
-fn list_name(path: &Path) -> String {
-    let words = |name: Option<&std::ffi::OsStr>| name.unwrap_or_default().to_string_lossy().into_owned();
-    let (stem, folder) = (
-        words(path.file_stem()),
-        words(path.parent().and_then(Path::file_name)),
-    );
-    match folder.to_ascii_lowercase().contains("match") {
-        true => format!("{folder}/{stem}"),
-        false => stem,
-    }
-}
-
-fn information_of(pairs: &[LogEntry], info: &Path) -> Result<Vec<Matrix6<f64>>, Failure> {
-    let entries = read_gt_info(info)?;
-    let ends = entries.iter().map(|entry| (entry.i, entry.j));
-    if !ends.eq(pairs.iter().map(|pair| (pair.i, pair.j))) {
-        return Err(Failure::of(
-            info,
-            "it does not list the pairs of the .log beside it",
-        ));
-    }
-    Ok(entries.into_iter().map(|entry| entry.information).collect())
 }
