@@ -6,7 +6,7 @@ use crate::{Edge, Registration};
 
 impl Registration {
     /// Positions of the edges of the spanning forest of largest final weight, weakest first: where the
-    /// result would fall apart first.
+    /// graph would be disconnected first.
     pub fn weakest_edges(&self) -> Vec<usize> {
         let edges = self
             .edges
@@ -44,7 +44,8 @@ impl Registration {
         positions
     }
 
-    fn ends(&self, edge: usize) -> (usize, usize) {
+    /// The scans of an edge.
+    pub(crate) fn ends(&self, edge: usize) -> (usize, usize) {
         let Edge { i, j, .. } = self.edges[edge];
         (i, j)
     }

@@ -3,7 +3,7 @@ use gmpcr_posegraph::PoseEdge;
 use gmpcr_sync::EdgeReport;
 use nalgebra::Isometry3;
 
-use crate::pipeline::SelectedPair;
+use crate::selected_pair::SelectedPair;
 
 /// An edge of the pose graph: the relative pose of two scans, its support, and what became of it.
 #[derive(Clone, Debug, PartialEq)]

@@ -20,7 +20,8 @@ pub enum Error {
     /// The list of scans is empty.
     #[error("no scans: at least one is needed")]
     NoScans,
-    /// The descriptors of two scans have different dimensions.
+    /// The descriptors of two scans have different dimensions. Scans are named by their positions, those that
+    /// were added earlier included.
     #[error(
         "scan {scan} has descriptors of dimension {dimension}, but scan {first} of dimension {expected}"
     )]
@@ -43,8 +44,10 @@ pub enum Error {
     /// Pairs of scans cannot be retrieved.
     #[error(transparent)]
     Retrieval(#[from] RetrievalError),
-    /// Given correspondences belong to no two scans.
-    #[error("correspondences of scans ({i}, {j}): a pair must have i < j < {num_scans}")]
+    /// Given correspondences belong to no two scans, or to two that have some already.
+    #[error(
+        "correspondences of scans ({i}, {j}): two different scans of 0..{num_scans} are needed, once"
+    )]
     MatchedPair {
         /// The first scan of the pair.
         i: usize,
@@ -55,11 +58,14 @@ pub enum Error {
     },
     /// A pair has more correspondences than memory for their graphs.
     #[error(
-        "{count} correspondences of a pair: at most {MAX_CORRESPONDENCES} are allowed; give the best ones"
+        "{count} correspondences of {}: at most {MAX_CORRESPONDENCES} are allowed; give the best ones",
+        .pair.map_or("a pair".to_owned(), |(i, j)| format!("scans ({i}, {j})"))
     )]
     TooManyCorrespondences {
         /// Their number.
         count: usize,
+        /// The scans, where there are several pairs.
+        pair: Option<(usize, usize)>,
     },
     /// No scan has this id: it was removed, or never added.
     #[error("there is no scan {scan}")]

@@ -16,10 +16,13 @@ use crate::{Error, Observer, PairRegistration, Params, Registration, ScanId, Sta
 /// [`register`](crate::register) of the same scans in the same order. Memory holds the keypoints, one
 /// confidence per scored pair and one relative pose per edge.
 ///
+/// Scans that are made of clouds need one voxel size, or their descriptors do not compare: give all of them the same
+/// parameters (`compute_scan`).
+///
 /// Pairs are retrieved where there are [`retrieval.min_scans`](gmpcr_retrieval::RetrievalParams::min_scans)
 /// scans or more: each scan proposes others by its descriptors, and then neighbors of the neighbors
 /// that it has by the confidences. The index of the descriptors is then made anew for each registration, on
-/// one thread (0.4 s for 400 scans).
+/// one thread.
 ///
 /// ```
 /// use gmpcr::{Descriptors, IncrementalRegistration, Params, Scan, register};
@@ -30,14 +33,14 @@ use crate::{Error, Observer, PairRegistration, Params, Registration, ScanId, Sta
 ///     Ok::<_, gmpcr::Error>(Scan::new(points.map(Into::into).collect(), rows)?)
 /// };
 /// let mut map = IncrementalRegistration::new(Params::default())?;
-/// let first = map.add(&[scan(0.0)?, scan(0.01)?], &())?;
-/// let last = map.add(&[scan(0.02)?], &())?;
-/// let three = map.register(&())?;
+/// let first = map.add(&[scan(0.0)?, scan(0.01)?])?;
+/// let last = map.add(&[scan(0.02)?])?;
+/// let three = map.register()?;
 /// let batch = register(&[scan(0.0)?, scan(0.01)?, scan(0.02)?], &Params::default())?;
 /// assert_eq!(three.world_from_scan, batch.world_from_scan);
 ///
 /// assert!(map.remove(first[1]));
-/// let two = map.register(&())?;
+/// let two = map.register()?;
 /// assert_eq!(two.ids, [first[0], last[0]]);
 /// assert!(two.pose_of(last[0]).is_some() && two.pose_of(first[1]).is_none());
 /// # Ok::<(), gmpcr::Error>(())
@@ -80,9 +83,21 @@ impl IncrementalRegistration {
     /// Adds scans behind the others and samples them; returns their ids.
     ///
     /// # Errors
-    /// [`Error::DimensionsDiffer`] if descriptors differ in dimension, also from those of earlier scans,
-    /// and [`Error::Cancelled`] if the observer says so. Then nothing was added.
-    pub fn add(&mut self, scans: &[Scan], observer: &dyn Observer) -> Result<Vec<ScanId>, Error> {
+    /// [`Error::DimensionsDiffer`] if descriptors differ in dimension, also from those of earlier scans. Then
+    /// nothing was added.
+    pub fn add(&mut self, scans: &[Scan]) -> Result<Vec<ScanId>, Error> {
+        self.add_observed(scans, &())
+    }
+
+    /// As [`add`](Self::add), with an observer that is told of the progress and may end the work.
+    ///
+    /// # Errors
+    /// Those of [`add`](Self::add), and [`Error::Cancelled`] if the observer says so. Then nothing was added.
+    pub fn add_observed(
+        &mut self,
+        scans: &[Scan],
+        observer: &dyn Observer,
+    ) -> Result<Vec<ScanId>, Error> {
         self.check_dimensions(scans)?;
         let Self { params, times, .. } = self;
         let sampled = times.timed(crate::Stage::Sampling, || sample(scans, params, observer))?;
@@ -96,7 +111,7 @@ impl IncrementalRegistration {
         Ok(ids)
     }
 
-    /// Removes a scan and forgets its pairs. Returns whether it was there.
+    /// Removes a scan and forgets its pairs, in time linear in all scored pairs. Returns whether it was there.
     pub fn remove(&mut self, scan: ScanId) -> bool {
         let Ok(position) = self.ids.binary_search(&scan) else {
             return false;
@@ -110,9 +125,17 @@ impl IncrementalRegistration {
     /// Registers the scans.
     ///
     /// # Errors
-    /// [`Error::NoScans`] if there is none, and [`Error::Cancelled`] if the observer says so. What was found
-    /// out until then is kept, stage by stage.
-    pub fn register(&mut self, observer: &dyn Observer) -> Result<Registration, Error> {
+    /// [`Error::NoScans`] if there is none.
+    pub fn register(&mut self) -> Result<Registration, Error> {
+        self.register_observed(&())
+    }
+
+    /// As [`register`](Self::register), with an observer that is told of the progress and may end the work.
+    ///
+    /// # Errors
+    /// Those of [`register`](Self::register), and [`Error::Cancelled`] if the observer says so. What was found out
+    /// until then is kept, stage by stage.
+    pub fn register_observed(&mut self, observer: &dyn Observer) -> Result<Registration, Error> {
         if self.ids.is_empty() {
             return Err(Error::NoScans);
         }
@@ -126,7 +149,7 @@ impl IncrementalRegistration {
     }
 
     /// What two scans say about their relative pose, with all correspondences: for the edges of a
-    /// registration that deserve a closer look. Computed anew, with the same bits.
+    /// registration that a person should check. Computed anew, with the same bits.
     ///
     /// # Errors
     /// [`Error::UnknownScan`] if there is no such scan.

@@ -35,8 +35,8 @@
 //! # Ok::<(), gmpcr::Error>(())
 //! ```
 //!
-//! The method is that of *Spectral Consistency-Guided Multiview Point Cloud Registration for Low-Overlap
-//! Scenes*:
+//! The method is that of T. Li, Y. Lin, S. Zhou, K. Yang, J. Zhang, L. Fang, W. Yao, *Spectral Consistency-Guided
+//! Multiview Point Cloud Registration for Low-Overlap Scenes*, 2026 ("the paper" in all crates):
 //!
 //! ```text
 //! scans ── N_s keypoints each, farthest first in descriptor space
@@ -59,11 +59,14 @@
 //! `fpfh` (on by default) makes scans of raw clouds, `io` reads and writes files of clouds, poses and pose
 //! graphs, `serde` makes results and parameters serializable.
 
+#[cfg(feature = "fpfh")]
+mod cloud;
 mod connections;
 mod edge;
 mod error;
 mod incremental;
 mod known_pairs;
+mod limits;
 mod pair;
 mod params;
 mod pipeline;
@@ -76,23 +79,30 @@ mod registration;
 mod scan_id;
 #[cfg(feature = "fpfh")]
 mod scan_set;
+mod selected_pair;
 mod source;
 mod stage;
+#[cfg(feature = "serde")]
+mod unchecked;
 mod warning;
+mod warnings;
 
+#[cfg(feature = "fpfh")]
+pub use cloud::Cloud;
 pub use edge::{Edge, UnresolvedPair};
 pub use error::Error;
 pub use gmpcr_correspondence::{Descriptors, Scan};
 pub use incremental::IncrementalRegistration;
-pub use pair::{MAX_CORRESPONDENCES, PairRegistration, register_correspondences, register_pair};
+pub use limits::MAX_CORRESPONDENCES;
+pub use pair::{PairRegistration, register_correspondences, register_pair};
 pub use params::Params;
 pub use preset::{Preset, UnknownPreset};
 pub use progress::Observer;
-pub use register::{register, register_matches, register_observed};
+pub use register::{register, register_matches, register_matches_observed, register_observed};
 pub use registration::Registration;
 pub use scan_id::ScanId;
 #[cfg(feature = "fpfh")]
-pub use scan_set::{Cloud, ScanSet, compute_features, compute_features_with, compute_scan};
+pub use scan_set::{ScanSet, VoxelSize, compute_features, compute_features_with, compute_scan};
 pub use stage::{Stage, StageTimes};
 pub use warning::Warning;
 

@@ -4,6 +4,7 @@ use gmpcr_correspondence::{Keypoints, Scan};
 use gmpcr_geometry::PointPairs;
 use nalgebra::Matrix6;
 
+use crate::limits::check_number;
 use crate::source::Source;
 use crate::{Error, Params};
 
@@ -21,6 +22,8 @@ pub struct PairRegistration {
     pub raw_confidence: f64,
     /// The transformation from scan j's frame into scan i's, if one was found, and its support.
     pub estimate: PoseEstimate,
+    /// Distance below which a correspondence is an inlier, `τ_in`, in the unit of the points.
+    pub inlier_threshold: f64,
 }
 
 impl PairRegistration {
@@ -29,27 +32,25 @@ impl PairRegistration {
         self.correspondences.select(&self.retained)
     }
 
-    /// The retained correspondences that the transformation brings closer together than
-    /// `inlier_threshold`, in the unit of the points; none without a transformation.
-    pub fn inlier_pairs(&self, inlier_threshold: f64) -> PointPairs {
+    /// The retained correspondences that the transformation explains; none without a transformation.
+    pub fn inlier_pairs(&self) -> PointPairs {
+        let Some(pose) = &self.estimate.pose else {
+            return PointPairs::default();
+        };
         let retained = self.retained_pairs();
-        match &self.estimate.pose {
-            Some(pose) => retained.select(&inliers(
-                &retained,
-                &pose.target_from_source,
-                inlier_threshold,
-            )),
-            None => PointPairs::default(),
-        }
+        let explained = inliers(&retained, &pose.target_from_source, self.inlier_threshold);
+        retained.select(&explained)
     }
 
-    /// The 6×6 information of the transformation, from its inliers, with `inlier_threshold` as the standard
+    /// The 6×6 information of the transformation, from its inliers, with the inlier threshold as the standard
     /// deviation of a coordinate: order and tangent are those of [`information_matrix`]. `None` without a
     /// transformation.
-    pub fn information(&self, inlier_threshold: f64) -> Option<Matrix6<f64>> {
+    pub fn information(&self) -> Option<Matrix6<f64>> {
         self.estimate.pose.as_ref()?;
-        let inliers = self.inlier_pairs(inlier_threshold);
-        Some(information_matrix(&inliers, inlier_threshold))
+        Some(information_matrix(
+            &self.inlier_pairs(),
+            self.inlier_threshold,
+        ))
     }
 }
 
@@ -78,7 +79,7 @@ impl PairRegistration {
 /// let pose = pair.estimate.pose.as_ref().unwrap();
 /// assert_eq!(pose.inlier_ratio, 1.0);
 /// assert!((pose.target_from_source.translation.z - 1.0).abs() < 1e-12);
-/// assert_eq!(pair.inlier_pairs(0.1).len(), pair.retained.len());
+/// assert_eq!(pair.inlier_pairs().len(), pair.retained.len());
 /// # Ok::<(), gmpcr::Error>(())
 /// ```
 pub fn register_pair(
@@ -97,12 +98,13 @@ pub fn register_pair(
 /// fraction of them may be outliers.
 ///
 /// All of them are used, also beyond [`max_correspondences`](gmpcr_correspondence::CorrespondenceParams):
-/// `M` of them take `O(M³)` time and `8 M²` bytes for each of about five matrices (1000: half a second, 40 MB).
+/// `M` of them take `O(M³)` time and `8 M²` bytes for each of about five matrices (1000: half a second, 40 MB),
+/// in [`register_matches`](crate::register_matches) on every thread.
 /// With many inliers a few hundred of the best are as good.
 ///
 /// # Errors
 /// [`Error::Parameter`] if one is out of range, [`Error::TooManyCorrespondences`] above
-/// [`MAX_CORRESPONDENCES`].
+/// [`MAX_CORRESPONDENCES`](crate::MAX_CORRESPONDENCES).
 ///
 /// ```
 /// use gmpcr::geometry::PointPairs;
@@ -114,13 +116,13 @@ pub fn register_pair(
 ///     .collect();
 /// let target_from_source = Isometry3::new(Vector3::new(2.0, 0.0, 1.0), Vector3::z() * 0.5);
 /// let mut target: Vec<_> = source.iter().map(|p| target_from_source * p).collect();
-/// target[..20].reverse(); // half of the matches are wrong
+/// target[..20].reverse(); // half of the matches are outliers
 ///
 /// let pair = register_correspondences(&PointPairs::new(target, source)?, &Params::default())?;
 /// let pose = pair.estimate.pose.as_ref().ok_or("no transformation")?;
 /// let error = pose.target_from_source.inverse() * target_from_source;
 /// assert!(error.translation.vector.norm() < 1e-9);
-/// let information = pair.information(0.1).ok_or("no transformation")?;
+/// let information = pair.information().ok_or("no transformation")?;
 /// assert!(information.symmetric_eigenvalues().min() > 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -129,18 +131,8 @@ pub fn register_correspondences(
     params: &Params,
 ) -> Result<PairRegistration, Error> {
     params.validate()?;
-    check_number(correspondences)?;
+    check_number(correspondences, None)?;
     register_correspondences_unchecked(correspondences.clone(), params)
-}
-
-/// Correspondences of a pair, at most: their matrices take about a gigabyte.
-pub const MAX_CORRESPONDENCES: usize = 5_000;
-
-pub(crate) fn check_number(correspondences: &PointPairs) -> Result<(), Error> {
-    match correspondences.len() {
-        0..=MAX_CORRESPONDENCES => Ok(()),
-        count => Err(Error::TooManyCorrespondences { count }),
-    }
 }
 
 /// Raw confidence of a pair, without its transformation.
@@ -166,5 +158,6 @@ pub(crate) fn register_correspondences_unchecked(
         raw_confidence: filter.raw_confidence(),
         correspondences,
         retained: filter.retained,
+        inlier_threshold: params.cliques.inlier_threshold,
     })
 }

@@ -44,8 +44,9 @@ use gmpcr_sync::SyncParams;
     serde(default, deny_unknown_fields)
 )]
 pub struct Params {
-    /// Downsampling, normals and descriptors, where [`compute_features`](crate::compute_features) makes the
-    /// scans.
+    /// Downsampling, normals and descriptors, for [`compute_features_with`](crate::compute_features_with).
+    /// Registration of scans does not look at them. The field is there with the cargo feature `fpfh` only, so
+    /// write parameters as `Params { ..Default::default() }`.
     #[cfg(feature = "fpfh")]
     pub features: FeatureParams,
     /// Sampling and matching.
@@ -103,7 +104,9 @@ impl Params {
     /// [`FeatureParams::from_voxel_size`](gmpcr_features::FeatureParams::from_voxel_size). The presets have the
     /// customary 5 cm of rooms in meters.
     ///
-    /// For descriptors from elsewhere: the size of the voxels that their clouds were downsampled to.
+    /// For descriptors from elsewhere: the size of the voxels that their clouds were downsampled to. Lengths that were
+    /// set before are replaced.
+    #[must_use]
     pub fn with_voxel_size(mut self, voxel_size: f64) -> Self {
         self.compatibility.tolerance = 2.0 * voxel_size;
         self.cliques.inlier_threshold = 2.0 * voxel_size;
@@ -126,6 +129,7 @@ impl Params {
     /// let in_voxels = Params::eth().with_voxel_size(1.0);
     /// assert_eq!(in_voxels.scaled(0.05), Params::eth());
     /// ```
+    #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         self.compatibility.tolerance *= factor;
         self.cliques.inlier_threshold *= factor;

@@ -2,9 +2,8 @@
 
 use std::mem;
 
-use gmpcr_cliques::PoseEstimate;
 use gmpcr_correspondence::{Keypoints, Scan};
-use gmpcr_posegraph::{PairConfidences, PoseEdge, PoseGraph, ScoredPair};
+use gmpcr_posegraph::{PairConfidences, PoseGraph, ScoredPair};
 use gmpcr_retrieval::{candidate_pairs, further_pairs};
 use gmpcr_sync::{Synchronization, synchronize};
 use rayon::prelude::*;
@@ -12,6 +11,7 @@ use rayon::prelude::*;
 use crate::known_pairs::{EstimatedPair, KnownPairs};
 use crate::pair::{raw_confidence, register_correspondences_unchecked};
 use crate::progress::StageProgress;
+use crate::selected_pair::SelectedPair;
 use crate::source::{Pair, Source};
 use crate::{Error, Observer, Params, Registration, ScanId, Stage, StageTimes};
 
@@ -21,15 +21,6 @@ pub(crate) struct Pipeline<'a> {
     pub source: Source<'a>,
     pub params: &'a Params,
     pub observer: &'a dyn Observer,
-}
-
-/// A pair that the selection chose.
-pub(crate) struct SelectedPair {
-    pub i: usize,
-    pub j: usize,
-    /// Normalized confidence `s_ij`.
-    pub confidence: f64,
-    pub pair: EstimatedPair,
 }
 
 /// The `N_s` points of each scan that differ most in descriptor space.
@@ -66,6 +57,7 @@ impl Pipeline<'_> {
             confidences,
             synchronization,
             mem::take(times),
+            self.params.clone(),
         ))
     }
 
@@ -118,7 +110,9 @@ impl Pipeline<'_> {
         let scored = pairs.iter().map(|&(i, j)| ScoredPair {
             i,
             j,
-            raw_confidence: known.score(self.ids[i], self.ids[j]).unwrap_or_default(),
+            raw_confidence: known
+                .score(self.ids[i], self.ids[j])
+                .expect("the pair was scored above, or before"),
         });
         Ok(PairConfidences::new(self.ids.len(), scored.collect())
             .expect("the pairs are different, in order, and scored by finite numbers"))
@@ -131,7 +125,7 @@ impl Pipeline<'_> {
     }
 
     /// Per selected pair: maximal cliques, weighted Kabsch, inlier ratio. The pairs are matched and filtered
-    /// again, which costs a fraction `K / N` of the scoring and saves the memory of keeping all pairs.
+    /// again, which costs a fraction of about `2 K / N` of the scoring and saves the memory of keeping all pairs.
     fn estimate(
         &self,
         confidences: &PairConfidences,
@@ -170,26 +164,12 @@ impl Pipeline<'_> {
     fn pose_graph(&self, pairs: &[SelectedPair]) -> PoseGraph {
         let edges = pairs.iter().filter_map(SelectedPair::edge);
         PoseGraph::new(self.ids.len(), edges.collect())
-            .expect("relative poses of usable points are finite, and confidences at most one")
+            .expect("edges have usable relative poses, and confidences are at most one")
     }
 
     /// Per component of the graph: rotations, reweighted by the history of their residuals; translations.
     fn synchronize(&self, graph: &PoseGraph) -> Result<Synchronization, Error> {
         StageProgress::begin(Stage::Synchronization, 1, self.observer)
             .item(|| Ok(synchronize(graph, &self.params.sync)?))
-    }
-}
-
-impl SelectedPair {
-    /// The edge of the pose graph; `None` if no transformation explains a correspondence.
-    pub fn edge(&self) -> Option<PoseEdge> {
-        let PoseEstimate { pose, .. } = &self.pair.estimate;
-        let pose = pose.as_ref().filter(|pose| pose.inlier_ratio > 0.0)?;
-        Some(PoseEdge {
-            i: self.i,
-            j: self.j,
-            i_from_j: pose.target_from_source,
-            weight: self.confidence * pose.inlier_ratio,
-        })
     }
 }

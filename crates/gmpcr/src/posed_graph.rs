@@ -1,4 +1,4 @@
-//! From a registration to pose graphs of other programs, and from files to clouds.
+//! From a registration to pose graphs of other programs.
 
 use gmpcr_io::{MeasuredEdge, PosedGraph};
 use nalgebra::{Isometry3, Matrix6, Vector6};
@@ -18,9 +18,11 @@ impl Registration {
     /// positions as numbers.
     ///
     /// The information of an edge is diagonal and proportional to its final weight; for the edge of the largest
-    /// weight an inlier threshold and a residual scale of `params`, those of the registration, count as one
-    /// standard deviation. Edges of less than a millionth of the largest weight are left out unless the graph
-    /// would fall apart without them.
+    /// weight an inlier threshold and a residual scale count as one standard deviation. Edges of less than a
+    /// millionth of the largest weight are left out unless the graph would be disconnected without them.
+    ///
+    /// Take it before the registration goes to [other coordinates](Self::with_scan_frames), and move the graph
+    /// ([`PosedGraph::with_scan_frames`]), so that the information moves along.
     ///
     /// ```
     /// # use gmpcr::{Descriptors, Params, Scan, register};
@@ -28,13 +30,12 @@ impl Registration {
     /// # let points = (0..40).map(f64::from).map(|k| [k.sin(), (2.0 * k).cos(), 0.1 * k].into());
     /// # let scan = Scan::new(points.collect(), rows)?;
     /// # let scans = [scan.clone(), scan];
-    /// let params = Params::default();
-    /// let registration = register(&scans, &params)?;
-    /// let g2o = registration.posed_graph(&params).to_g2o();
+    /// let registration = register(&scans, &Params::default())?;
+    /// let g2o = registration.posed_graph().to_g2o();
     /// assert_eq!((g2o.vertices.len(), g2o.edges.len()), (2, 1));
     /// # Ok::<(), gmpcr::Error>(())
     /// ```
-    pub fn posed_graph(&self, params: &Params) -> PosedGraph {
+    pub fn posed_graph(&self) -> PosedGraph {
         const LEAST: f64 = 1e-6;
         let scans = self.components.largest();
         let inside = |edge: &Edge| scans.binary_search(&edge.i).is_ok();
@@ -51,7 +52,7 @@ impl Registration {
             is_needed[edge] = true;
         }
         positions.retain(|&k| relative(k) > LEAST || is_needed[k]);
-        let of_heaviest = information(params);
+        let of_heaviest = information(&self.params);
         let edges = positions.into_iter().map(|k| MeasuredEdge {
             i: self.edges[k].i,
             j: self.edges[k].j,
@@ -68,14 +69,4 @@ fn information(params: &Params) -> Matrix6<f64> {
     let deviations = [params.cliques.inlier_threshold, params.sync.residual_scale];
     let [t, r] = deviations.map(|sigma| 1.0 / (sigma * sigma));
     Matrix6::from_diagonal(&Vector6::new(t, t, t, r, r, r))
-}
-
-#[cfg(feature = "fpfh")]
-impl From<gmpcr_io::PointFile> for crate::Cloud {
-    fn from(file: gmpcr_io::PointFile) -> Self {
-        Self {
-            points: file.points,
-            viewpoint: file.viewpoint,
-        }
-    }
 }

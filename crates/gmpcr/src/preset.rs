@@ -14,6 +14,12 @@ use crate::Params;
 /// # Ok::<(), gmpcr::UnknownPreset>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "lowercase")
+)]
+#[non_exhaustive]
 pub enum Preset {
     /// [`Params::threedmatch`].
     #[default]
@@ -28,7 +34,8 @@ pub enum Preset {
 
 /// No preset has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no preset is named {name:?}: known are {}", Preset::ALL.map(Preset::name).join(", "))]
+#[error("no preset is named {name:?}: known are {}", known_names())]
+#[non_exhaustive]
 pub struct UnknownPreset {
     /// The name.
     pub name: String,
@@ -36,7 +43,7 @@ pub struct UnknownPreset {
 
 impl Preset {
     /// All presets.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: &'static [Self] = &[
         Self::ThreeDMatch,
         Self::ThreeDLoMatch,
         Self::ScanNet,
@@ -64,11 +71,16 @@ impl Preset {
     }
 }
 
+fn known_names() -> String {
+    let names: Vec<_> = Preset::ALL.iter().map(|preset| preset.name()).collect();
+    names.join(", ")
+}
+
 impl FromStr for Preset {
     type Err = UnknownPreset;
 
     fn from_str(name: &str) -> Result<Self, UnknownPreset> {
-        let mut presets = Self::ALL.into_iter();
+        let mut presets = Self::ALL.iter().copied();
         presets
             .find(|preset| preset.name() == name)
             .ok_or_else(|| UnknownPreset {

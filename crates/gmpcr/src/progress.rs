@@ -34,7 +34,9 @@ use crate::{Error, Stage};
 pub trait Observer: Sync {
     /// A stage begins, which has `num_items` items. Called by the thread of the caller, before any of
     /// them.
-    fn begin(&self, _stage: Stage, _num_items: usize) {}
+    fn begin(&self, stage: Stage, num_items: usize) {
+        let _ = (stage, num_items);
+    }
 
     /// An item of the stage that began last is done. Called from any thread.
     fn item_done(&self) {}

@@ -4,9 +4,9 @@ use gmpcr_correspondence::Scan;
 use gmpcr_geometry::PointPairs;
 
 use crate::known_pairs::KnownPairs;
-use crate::pair::check_number;
+use crate::limits::check_number;
 use crate::pipeline::Pipeline;
-use crate::source::Source;
+use crate::source::{Pair, Source};
 use crate::{Error, IncrementalRegistration, Observer, Params, Registration, ScanId, StageTimes};
 
 /// Registers scans: one pose per scan, consistent over all of them, with its support and diagnostics.
@@ -37,25 +37,23 @@ pub fn register_observed(
     observer: &dyn Observer,
 ) -> Result<Registration, Error> {
     let mut registration = IncrementalRegistration::new(params.clone())?;
-    registration.add(scans, observer)?;
-    registration.register(observer)
+    registration.add_observed(scans, observer)?;
+    registration.register_observed(observer)
 }
 
 /// Registers a set of scans from correspondences that another front end found: everything that
 /// [`register`] does after matching.
 ///
-/// `matches[(i, j)]` holds the correspondences of scans `i < j < num_scans`, target scan `i`; pairs without an
-/// entry are never edges. The parameters of sampling, matching and retrieval do not matter. For the number of
-/// correspondences of a pair see [`register_correspondences`](crate::register_correspondences).
+/// `matches` holds `(i, j, correspondences)` with target scan `i` and source scan `j`, at most once for each two
+/// scans, in any order and direction. Pairs without an entry are never edges. The parameters of sampling,
+/// matching and retrieval do not matter. For the number of correspondences of a pair see
+/// [`register_correspondences`](crate::register_correspondences).
 ///
 /// # Errors
-/// [`Error::NoScans`] if `num_scans` is 0, [`Error::MatchedPair`] if a pair is not of the form
-/// `i < j < num_scans`, [`Error::TooManyCorrespondences`], [`Error::Parameter`], and [`Error::Cancelled`] if
-/// the observer says so.
+/// [`Error::NoScans`] if `num_scans` is 0, [`Error::MatchedPair`] if a pair is not two different scans of
+/// `0..num_scans`, or comes twice, [`Error::TooManyCorrespondences`], and [`Error::Parameter`].
 ///
 /// ```
-/// use std::collections::BTreeMap;
-///
 /// use gmpcr::geometry::PointPairs;
 /// use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
 /// use gmpcr::{Params, register_matches};
@@ -66,18 +64,31 @@ pub fn register_observed(
 ///     .collect();
 /// let pose = |k: usize| Isometry3::new(Vector3::x() * k as f64, Vector3::z() * (0.3 * k as f64));
 /// let seen = |k: usize| world.iter().map(|p| pose(k).inverse_transform_point(p)).collect();
-/// let matches = [(0, 1), (1, 2), (0, 2)]
-///     .map(|(i, j)| PointPairs::new(seen(i), seen(j)).map(|pairs| ((i, j), pairs)));
-/// let matches = matches.into_iter().collect::<Result<BTreeMap<_, _>, _>>()?;
+/// let mut matches = Vec::new();
+/// for (i, j) in [(0, 1), (2, 1), (0, 2)] {
+///     matches.push((i, j, PointPairs::new(seen(i), seen(j))?));
+/// }
 ///
-/// let registration = register_matches(3, &matches, &Params::default(), &())?;
+/// let registration = register_matches(3, matches, &Params::default())?;
 /// let error = registration.world_from_scan[2].inverse() * pose(2);
 /// assert!(error.translation.vector.norm() < 1e-9 && error.rotation.angle() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn register_matches(
     num_scans: usize,
-    matches: &BTreeMap<(usize, usize), PointPairs>,
+    matches: Vec<(usize, usize, PointPairs)>,
+    params: &Params,
+) -> Result<Registration, Error> {
+    register_matches_observed(num_scans, matches, params, &())
+}
+
+/// As [`register_matches`], with an observer that is told of the progress and may end the work.
+///
+/// # Errors
+/// Those of [`register_matches`], and [`Error::Cancelled`] if the observer says so.
+pub fn register_matches_observed(
+    num_scans: usize,
+    matches: Vec<(usize, usize, PointPairs)>,
     params: &Params,
     observer: &dyn Observer,
 ) -> Result<Registration, Error> {
@@ -85,15 +96,32 @@ pub fn register_matches(
     if num_scans == 0 {
         return Err(Error::NoScans);
     }
-    if let Some(&(i, j)) = matches.keys().find(|&&(i, j)| i >= j || j >= num_scans) {
-        return Err(Error::MatchedPair { i, j, num_scans });
-    }
-    matches.values().try_for_each(check_number)?;
+    let matches = by_pair(num_scans, matches)?;
     let pipeline = Pipeline {
         ids: &ScanId::first(num_scans),
-        source: Source::Matches(matches),
+        source: Source::Matches(&matches),
         params,
         observer,
     };
     pipeline.run(&mut KnownPairs::default(), &mut StageTimes::default())
+}
+
+/// The matches of each pair `i < j`.
+fn by_pair(
+    num_scans: usize,
+    matches: Vec<(usize, usize, PointPairs)>,
+) -> Result<BTreeMap<Pair, PointPairs>, Error> {
+    let mut by_pair = BTreeMap::new();
+    for (i, j, pairs) in matches {
+        check_number(&pairs, Some((i, j)))?;
+        let (pair, pairs) = match i <= j {
+            true => ((i, j), pairs),
+            false => ((j, i), pairs.swapped()),
+        };
+        let is_pair = i != j && i.max(j) < num_scans;
+        if !is_pair || by_pair.insert(pair, pairs).is_some() {
+            return Err(Error::MatchedPair { i, j, num_scans });
+        }
+    }
+    Ok(by_pair)
 }

@@ -2,14 +2,18 @@ use gmpcr_posegraph::{Components, Connectivity, PairConfidences, PoseEdge, PoseG
 use gmpcr_sync::{ComponentReport, Synchronization};
 use nalgebra::Isometry3;
 
-use crate::pipeline::SelectedPair;
-use crate::{Edge, ScanId, StageTimes, UnresolvedPair};
+use crate::selected_pair::SelectedPair;
+use crate::{Edge, Params, ScanId, StageTimes, UnresolvedPair};
 
 /// Poses of all scans, with their support and diagnostics.
 ///
 /// Scans are named by their positions `0..ids.len()`, the order in which they were given.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::unchecked::Unchecked")
+)]
 #[non_exhaustive]
 pub struct Registration {
     /// The scans, by position. In a batch they are numbered `0..n`.
@@ -33,6 +37,8 @@ pub struct Registration {
     pub synchronization: Vec<ComponentReport>,
     /// Wall time of each stage.
     pub times: StageTimes,
+    /// The parameters that it was made with.
+    pub params: Params,
 }
 
 impl Registration {
@@ -42,6 +48,7 @@ impl Registration {
         confidences: PairConfidences,
         synchronization: Synchronization,
         times: StageTimes,
+        params: Params,
     ) -> Self {
         let is_edge = |pair: &&SelectedPair| pair.edge().is_some();
         let (resolved, unresolved): (Vec<_>, Vec<_>) = selected.iter().partition(is_edge);
@@ -60,6 +67,7 @@ impl Registration {
             confidences,
             synchronization: synchronization.reports,
             times,
+            params,
         }
     }
 
@@ -90,6 +98,12 @@ impl Registration {
     /// The pose graph that was synchronized, with the initial weights: to be edited and
     /// [synchronized](gmpcr_sync::synchronize) again.
     ///
+    /// Take it before the registration goes to [other coordinates](Self::with_scan_frames): translations are solved
+    /// at the origins of the scans, and far origins make noise of rotations large errors of translations.
+    ///
+    /// # Panics
+    /// If edges were changed such that one names a scan that does not exist.
+    ///
     /// ```
     /// use gmpcr::posegraph::PoseGraph;
     /// use gmpcr::sync::{SyncParams, synchronize};
@@ -102,7 +116,7 @@ impl Registration {
     /// # }
     /// let registration = gmpcr::register(&scans()?, &gmpcr::Params::default())?;
     /// let mut edges = registration.pose_graph().into_edges();
-    /// edges.retain(|edge| (edge.i, edge.j) != (0, 2)); // known to be wrong
+    /// edges.retain(|edge| (edge.i, edge.j) != (0, 2)); // known to be an outlier
     /// let graph = PoseGraph::new(registration.ids.len(), edges)?;
     /// let again = synchronize(&graph, &SyncParams::default())?;
     /// assert_eq!(again.components.largest(), [0, 1, 2]);
@@ -124,6 +138,7 @@ impl Registration {
     ///
     /// # Panics
     /// If the scan does not exist.
+    #[must_use]
     pub fn in_frame_of(mut self, reference: usize) -> Self {
         let reference_from_world = self.world_from_scan[reference].inverse();
         for &scan in &self.components.members()[self.components.label(reference)] {
@@ -134,13 +149,15 @@ impl Registration {
     }
 
     /// The same registration where scan k has coordinates of another frame: `new_from_old[k]` maps the
-    /// coordinates that were registered to the new ones.
+    /// coordinates that were registered to the new ones. For poses that go with the clouds of the new coordinates.
     ///
     /// The world of a component follows the coordinates of its lowest scan `r`, which keeps the identity: a pose
-    /// `T_k` becomes `N_r T_k N_k⁻¹`, a relative pose `T̂_ij` becomes `N_i T̂_ij N_j⁻¹`.
+    /// `T_k` becomes `N_r T_k N_k⁻¹`, a relative pose `T̂_ij` becomes `N_i T̂_ij N_j⁻¹`. Residuals stay those of the
+    /// coordinates that were registered.
     ///
     /// # Panics
     /// If there is not one transformation per scan.
+    #[must_use]
     pub fn with_scan_frames(mut self, new_from_old: &[Isometry3<f64>]) -> Self {
         assert_eq!(new_from_old.len(), self.ids.len(), "one frame per scan");
         let changed = |i: usize, i_from_j: &Isometry3<f64>, j: usize| {

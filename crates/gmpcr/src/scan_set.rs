@@ -7,15 +7,17 @@ use nalgebra::{Isometry3, Point3};
 use rayon::prelude::*;
 
 use crate::progress::StageProgress;
-use crate::{Error, Observer, Registration, Stage, StageTimes};
+use crate::{Cloud, Error, Observer, Registration, Stage, StageTimes};
 
-/// A cloud as a file has it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cloud {
-    /// The points, in any unit and frame.
-    pub points: Vec<Point3<f64>>,
-    /// Where the sensor stood, in the frame of the points; `None` where the file does not say.
-    pub viewpoint: Option<Point3<f64>>,
+/// Where the voxel size comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum VoxelSize {
+    /// The one of the parameters. Descriptors of clouds that come one by one compare if all have the same.
+    Given,
+    /// The median of those that suit the clouds. The other lengths keep their ratios to the voxel size of the
+    /// parameters.
+    Estimated,
 }
 
 /// Scans made of clouds, ready to be registered, and how they were made.
@@ -58,7 +60,7 @@ pub struct ScanSet {
 ///     let (x, y) = (f64::from(x) * 0.025, f64::from(y) * 0.025);
 ///     Point3::new(x, y, 1.0 + 0.1 * (7.0 * x).sin() * (5.0 * y).cos())
 /// });
-/// let cloud = Cloud { points: points.collect(), viewpoint: None };
+/// let cloud = Cloud::new(points.collect());
 /// let set = compute_features(vec![cloud.clone(), cloud])?;
 /// let params = Params::default().with_voxel_size(set.voxel_size);
 /// let registration = set.in_cloud_frames(register(&set.scans, &params)?);
@@ -67,26 +69,44 @@ pub struct ScanSet {
 /// ```
 pub fn compute_features(clouds: Vec<Cloud>) -> Result<ScanSet, Error> {
     let in_voxels = FeatureParams::from_voxel_size(1.0);
-    compute_features_with(clouds, None, &in_voxels, &())
+    compute_features_with(clouds, &in_voxels, VoxelSize::Estimated, &())
 }
 
-/// As [`compute_features`], with a voxel size (`None` to estimate it), with parameters of which the lengths are
-/// in voxels (their own `voxel_size` is a factor, usually 1), and with an observer.
+/// As [`compute_features`], with parameters and with an observer.
 ///
 /// # Errors
 /// Those of [`compute_features`], [`Error::Parameter`], and [`Error::Cancelled`] if the observer says so.
+///
+/// ```
+/// use gmpcr::nalgebra::Point3;
+/// use gmpcr::{Cloud, Params, VoxelSize, compute_features_with};
+///
+/// let points = (0..900).map(|k| Point3::new(f64::from(k % 30) * 0.03, f64::from(k / 30) * 0.03, 1.0));
+/// let cloud = Cloud::new(points.collect());
+/// let params = Params::default().with_voxel_size(0.1);
+/// let set = compute_features_with(vec![cloud], &params.features, VoxelSize::Given, &())?;
+/// assert_eq!((set.voxel_size, set.scans[0].len()), (0.1, 81));
+/// # Ok::<(), gmpcr::Error>(())
+/// ```
 pub fn compute_features_with(
     clouds: Vec<Cloud>,
-    voxel_size: Option<f64>,
-    in_voxels: &FeatureParams,
+    params: &FeatureParams,
+    voxel_size: VoxelSize,
     observer: &dyn Observer,
 ) -> Result<ScanSet, Error> {
+    params
+        .validate()
+        .map_err(|error| error.within("features"))?;
     let mut times = StageTimes::default();
     let mut clouds = localized(clouds);
-    let voxel_size = times.timed(Stage::VoxelSize, || {
-        voxel_size_of(&clouds, voxel_size, observer)
-    })?;
-    let params = in_voxels.scaled(voxel_size);
+    let params = match voxel_size {
+        VoxelSize::Given => *params,
+        VoxelSize::Estimated => {
+            let estimate = || estimated_voxel_size(&clouds, observer);
+            let voxel_size = times.timed(Stage::VoxelSize, estimate)?;
+            params.scaled(voxel_size / params.voxel_size)
+        }
+    };
     params
         .validate()
         .map_err(|error| error.within("features"))?;
@@ -99,7 +119,7 @@ pub fn compute_features_with(
     let mut set = ScanSet {
         clouds,
         scans: Vec::new(),
-        voxel_size,
+        voxel_size: params.voxel_size,
         num_strays: Vec::new(),
         problems: Vec::new(),
         times,
@@ -118,7 +138,7 @@ pub fn compute_features_with(
 
 impl ScanSet {
     /// Clouds whose features come from elsewhere: `scans[k]` has keypoints in the coordinates of `clouds[k]`,
-    /// and descriptors. The voxel size is estimated from the clouds unless it is given.
+    /// and descriptors. The voxel size is estimated from the clouds unless it is given here.
     ///
     /// # Errors
     /// [`Error::ScansAndClouds`] if there is not one scan per cloud, [`Error::NoExtent`] if the voxel size cannot
@@ -142,9 +162,11 @@ impl ScanSet {
             Ok(Scan::new(points.collect(), scan.descriptors().clone())?)
         });
         let scans = scans.collect::<Result<_, Error>>()?;
-        let voxel_size = times.timed(Stage::VoxelSize, || {
-            voxel_size_of(&clouds, voxel_size, observer)
-        })?;
+        let estimate = || estimated_voxel_size(&clouds, observer);
+        let voxel_size = match voxel_size {
+            Some(voxel_size) => voxel_size,
+            None => times.timed(Stage::VoxelSize, estimate)?,
+        };
         Ok(Self {
             num_strays: vec![0; clouds.len()],
             problems: vec![None; clouds.len()],
@@ -157,6 +179,10 @@ impl ScanSet {
 
     /// A registration of [`scans`](Self::scans) in the coordinates that the clouds came in: poses and relative
     /// poses of their frames. See [`Registration::with_scan_frames`].
+    ///
+    /// # Panics
+    /// If the registration is of another number of scans.
+    #[must_use]
     pub fn in_cloud_frames(&self, registration: Registration) -> Registration {
         registration.with_scan_frames(&self.cloud_from_local())
     }
@@ -179,8 +205,8 @@ impl ScanSet {
     }
 }
 
-/// Turns one cloud into a scan with known parameters, on the calling thread: for clouds that do not all fit
-/// into memory. Coordinates stay as they are.
+/// Turns one cloud into a scan with known parameters, on the calling thread: for clouds that come one by one, or
+/// do not all fit into memory. Coordinates stay as they are. Descriptors compare between scans of one voxel size.
 ///
 /// # Errors
 /// Those of [`features::compute_features`].
@@ -206,15 +232,8 @@ fn localized(clouds: Vec<Cloud>) -> Vec<LocalCloud> {
     clouds
 }
 
-/// The given voxel size, or the one that suits most clouds.
-fn voxel_size_of(
-    clouds: &[LocalCloud],
-    given: Option<f64>,
-    observer: &dyn Observer,
-) -> Result<f64, Error> {
-    if let Some(voxel_size) = given {
-        return Ok(voxel_size);
-    }
+/// The voxel size that suits most clouds.
+fn estimated_voxel_size(clouds: &[LocalCloud], observer: &dyn Observer) -> Result<f64, Error> {
     let progress = StageProgress::begin(Stage::VoxelSize, clouds.len(), observer);
     let estimate = |(cloud, local): (usize, &LocalCloud)| {
         let estimate = || estimate_voxel_size(&local.points);

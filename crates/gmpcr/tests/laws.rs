@@ -503,10 +503,10 @@ fn come_and_go(params: Params) {
     let mut incremental = IncrementalRegistration::new(params.clone()).unwrap();
     let mut scans = Vec::new();
     for added in [&all[..4], &all[4..5], &[], &all[5..]] {
-        incremental.add(added, &()).unwrap();
+        incremental.add(added).unwrap();
         scans.extend_from_slice(added);
         let (grown, batch) = (
-            incremental.register(&()).unwrap(),
+            incremental.register().unwrap(),
             register(&scans, &params).unwrap(),
         );
         assert_same(&grown, &batch);
@@ -516,15 +516,15 @@ fn come_and_go(params: Params) {
         assert!(incremental.remove(id) && !incremental.remove(id));
         scans.remove(removed);
         let (shrunk, batch) = (
-            incremental.register(&()).unwrap(),
+            incremental.register().unwrap(),
             register(&scans, &params).unwrap(),
         );
         assert_same(&shrunk, &batch);
     }
-    incremental.add(&all[..1], &()).unwrap();
+    incremental.add(&all[..1]).unwrap();
     scans.push(all[0].clone());
     assert_same(
-        &incremental.register(&()).unwrap(),
+        &incremental.register().unwrap(),
         &register(&scans, &params).unwrap(),
     );
     assert_eq!(incremental.ids().len(), 7);
@@ -534,11 +534,11 @@ fn come_and_go(params: Params) {
 fn a_scan_more_has_its_own_pairs_scored_only() {
     let scans = VIEWS.scans();
     let mut incremental = IncrementalRegistration::new(Params::default()).unwrap();
-    incremental.add(&scans[..8], &()).unwrap();
-    incremental.register(&()).unwrap();
+    incremental.add(&scans[..8]).unwrap();
+    incremental.register().unwrap();
     let witness = Witness::default();
-    incremental.add(&scans[8..], &witness).unwrap();
-    incremental.register(&witness).unwrap();
+    incremental.add_observed(&scans[8..], &witness).unwrap();
+    incremental.register_observed(&witness).unwrap();
     let stages = witness.stages.into_inner().unwrap();
     assert_eq!(
         stages[..2],
@@ -578,16 +578,16 @@ fn retrieved_pairs_are_scored_round_by_round_and_others_never() {
 fn what_cannot_be_added_changes_nothing() {
     let scans = VIEWS.scans();
     let mut incremental = IncrementalRegistration::new(Params::default()).unwrap();
-    assert!(matches!(incremental.register(&()), Err(Error::NoScans)));
-    incremental.add(&scans[..3], &()).unwrap();
-    let before = incremental.register(&()).unwrap();
+    assert!(matches!(incremental.register(), Err(Error::NoScans)));
+    incremental.add(&scans[..3]).unwrap();
+    let before = incremental.register().unwrap();
 
     let other = Scan::new(
         vec![Point3::origin()],
         Descriptors::new(vec![0.0; 3], 3).unwrap(),
     )
     .unwrap();
-    let outcome = incremental.add(&[other], &());
+    let outcome = incremental.add(&[other]);
     assert!(matches!(
         outcome,
         Err(Error::DimensionsDiffer {
@@ -601,17 +601,17 @@ fn what_cannot_be_added_changes_nothing() {
         patience: Some(patience),
         ..Witness::default()
     };
-    let outcome = incremental.add(&scans[3..6], &impatient(0));
+    let outcome = incremental.add_observed(&scans[3..6], &impatient(0));
     assert!(matches!(outcome, Err(Error::Cancelled { .. })));
     assert_eq!(incremental.ids().len(), 3);
-    assert_same(&incremental.register(&()).unwrap(), &before);
+    assert_same(&incremental.register().unwrap(), &before);
 
-    incremental.add(&scans[3..6], &()).unwrap();
+    incremental.add(&scans[3..6]).unwrap();
     for patience in [0, 12, 0] {
-        let outcome = incremental.register(&impatient(patience));
+        let outcome = incremental.register_observed(&impatient(patience));
         assert!(matches!(outcome, Err(Error::Cancelled { .. })));
     }
-    let registration = incremental.register(&()).unwrap();
+    let registration = incremental.register().unwrap();
     // The scores were kept, and so was the time that they took.
     assert!(registration.times.of(Stage::Scoring) > Duration::ZERO);
     assert_same(
@@ -624,11 +624,11 @@ fn what_cannot_be_added_changes_nothing() {
 fn ids_survive_the_removal_of_other_scans() {
     let scans = VIEWS.scans();
     let mut incremental = IncrementalRegistration::new(Params::default()).unwrap();
-    let ids = incremental.add(&scans, &()).unwrap();
-    let before = incremental.register(&()).unwrap();
+    let ids = incremental.add(&scans).unwrap();
+    let before = incremental.register().unwrap();
     assert_eq!(before.ids, ids);
     incremental.remove(ids[0]);
-    let after = incremental.register(&()).unwrap();
+    let after = incremental.register().unwrap();
     assert_eq!(after.ids, ids[1..]);
     // The frame is that of the first scan that is left; fewer edges change poses by the noise.
     let expected = before.i_from_j(1, 5).unwrap();
@@ -636,7 +636,7 @@ fn ids_survive_the_removal_of_other_scans() {
     assert_eq!(after.pose_of(ids[0]), None);
     // A new scan never gets the id of a removed one.
     incremental.remove(ids[8]);
-    let new = incremental.add(&scans[..1], &()).unwrap();
+    let new = incremental.add(&scans[..1]).unwrap();
     assert!(!ids.contains(&new[0]));
     assert!(matches!(
         incremental.pair(ids[0], ids[1]),
@@ -657,14 +657,22 @@ fn given_correspondences_are_registered_like_those_of_descriptors() {
     let matches = (0..scans.len()).flat_map(|i| (i + 1..VIEWS.num_scans).map(move |j| (i, j)));
     let matches = matches.map(|(i, j)| {
         let pairs = correspondences(&keypoints[i], &keypoints[j], &params.correspondence);
-        ((i, j), pairs.unwrap())
+        (i, j, pairs.unwrap())
     });
-    let matches = matches.collect();
-    let given = register_matches(scans.len(), &matches, &params, &()).unwrap();
+    let matches: Vec<_> = matches.collect();
+    let given = register_matches(scans.len(), matches.clone(), &params).unwrap();
     assert_same(&given, &register(&scans, &params).unwrap());
 
-    let pair = register_correspondences(&matches[&(0, 1)], &params).unwrap();
+    let pair = register_correspondences(&matches[0].2, &params).unwrap();
     assert_eq!(pair, register_pair(&scans[0], &scans[1], &params).unwrap());
+
+    // In any order and direction.
+    let turned = matches.into_iter().rev();
+    let turned = turned.map(|(i, j, pairs)| (j, i, pairs.swapped()));
+    assert_same(
+        &register_matches(scans.len(), turned.collect(), &params).unwrap(),
+        &given,
+    );
 }
 
 #[test]
@@ -675,28 +683,30 @@ fn correspondences_that_cannot_be_are_an_error() {
     let message = register_correspondences(&many, &params)
         .unwrap_err()
         .to_string();
+    let expected = "5001 correspondences of a pair: at most 5000 are allowed; give the best ones";
+    assert_eq!(message, expected);
+    let refused = |matches| {
+        let outcome = register_matches(3, matches, &params);
+        outcome.unwrap_err().to_string()
+    };
+    let message = refused(vec![(2, 1, many)]);
     assert!(
-        message.starts_with("5001 correspondences of a pair: at most 5000"),
+        message.starts_with("5001 correspondences of scans (2, 1)"),
         "{message}"
     );
-    let outcome = |i, j| {
-        let matches = [((i, j), Default::default())].into();
-        register_matches(3, &matches, &params, &())
-            .unwrap_err()
-            .to_string()
-    };
-    let reason = "a pair must have i < j < 3";
-    for (i, j) in [(1, 1), (2, 1), (0, 3)] {
-        assert_eq!(
-            outcome(i, j),
-            format!("correspondences of scans ({i}, {j}): {reason}")
-        );
+    let none = gmpcr::geometry::PointPairs::default;
+    let reason = "two different scans of 0..3 are needed, once";
+    for (i, j) in [(1, 1), (3, 1), (0, 3)] {
+        let expected = format!("correspondences of scans ({i}, {j}): {reason}");
+        assert_eq!(refused(vec![(i, j, none())]), expected);
     }
+    let twice = refused(vec![(0, 1, none()), (1, 0, none())]);
+    assert_eq!(twice, format!("correspondences of scans (1, 0): {reason}"));
     assert!(matches!(
-        register_matches(0, &Default::default(), &params, &()),
+        register_matches(0, vec![], &params),
         Err(Error::NoScans)
     ));
-    let nothing = register_matches(2, &Default::default(), &params, &()).unwrap();
+    let nothing = register_matches(2, vec![], &params).unwrap();
     assert_eq!(nothing.components.members().len(), 2);
 }
 
@@ -731,6 +741,13 @@ fn results_and_parameters_travel_between_threads() {
     travels::<Registration>();
     travels::<IncrementalRegistration>();
     travels::<gmpcr::PairRegistration>();
+    travels::<gmpcr::Edge>();
+    travels::<gmpcr::UnresolvedPair>();
+    travels::<gmpcr::ScanId>();
+    travels::<gmpcr::StageTimes>();
+    travels::<gmpcr::Preset>();
+    #[cfg(feature = "fpfh")]
+    travels::<gmpcr::ScanSet>();
     travels::<gmpcr::Warning>();
     travels::<Scan>();
     travels::<Params>();
@@ -755,10 +772,74 @@ fn results_and_parameters_come_back_from_files() {
     for (a, b) in read.edges.iter().zip(&registration.edges) {
         assert_eq!(a.synchronization, b.synchronization);
     }
+    let warnings = registration.warnings();
+    let text = serde_json::to_string(&warnings).unwrap();
+    assert_eq!(
+        serde_json::from_str::<Vec<gmpcr::Warning>>(&text).unwrap(),
+        warnings
+    );
+    let pair = register_pair(&VIEWS.scan(0), &VIEWS.scan(1), &Params::default()).unwrap();
+    let text = serde_json::to_string(&pair).unwrap();
+    let read: gmpcr::PairRegistration = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        (read.retained, read.correspondences.len()),
+        (pair.retained, 100)
+    );
     let params = Params::threedlomatch();
     let text = serde_json::to_string(&params).unwrap();
     assert_eq!(serde_json::from_str::<Params>(&text).unwrap(), params);
     let partial: Params = serde_json::from_str(r#"{ "posegraph": { "neighbors": 9 } }"#).unwrap();
     assert_eq!(partial.posegraph.neighbors, 9);
     assert!(serde_json::from_str::<Params>(r#"{ "posegraf": {} }"#).is_err());
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_registration_that_contradicts_itself_is_not_read() {
+    let registration = register(&VIEWS.scans(), &Params::default()).unwrap();
+    type Spoil = fn(&mut serde_json::Value);
+    let cases: [(&str, Spoil); 6] = [
+        ("is not of the form i < j < 9", |r| {
+            r["edges"][0]["j"] = 9.into()
+        }),
+        ("8 poses for 9 scans", |r| {
+            r["world_from_scan"].as_array_mut().unwrap().pop();
+        }),
+        ("do not ascend", |r| r["ids"][1] = 0.into()),
+        ("weight", |r| {
+            r["edges"][0]["initial_weight"] = (-1.0).into()
+        }),
+        ("not rigid", |r| r["world_from_scan"][1][0] = 7.into()),
+        ("posegraph.neighbors is 0", |r| {
+            r["params"]["posegraph"]["neighbors"] = 0.into()
+        }),
+    ];
+    for (reason, spoil) in cases {
+        let mut content = serde_json::to_value(&registration).unwrap();
+        spoil(&mut content);
+        let outcome = serde_json::from_value::<Registration>(content);
+        let said = outcome.unwrap_err().to_string();
+        assert!(said.contains(reason), "{said}");
+    }
+}
+
+#[test]
+fn relative_poses_beyond_all_coordinates_are_unresolved() {
+    // Both scans are at the two ends of what a coordinate may be.
+    let side = |x: f64| {
+        let place = |k: usize| {
+            Point3::new(
+                x + 1e98 * scattered(k),
+                1e98 * scattered(k + 33),
+                1e98 * scattered(k + 99),
+            )
+        };
+        let rows = (0..40 * 4).map(|k| scattered(k + 7) as f32).collect();
+        let rows = Descriptors::new(rows, 4).unwrap();
+        Scan::new((0..40).map(place).collect(), rows).unwrap()
+    };
+    let params = Params::default().scaled(1e97);
+    let registration = register(&[side(9e99), side(-9e99)], &params).unwrap();
+    assert!(registration.edges.is_empty());
+    assert_eq!(registration.unresolved.len(), 1);
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use gmpcr::features::FeatureParams;
-use gmpcr::{Cloud, Params, compute_features_with, register};
+use gmpcr::{Cloud, Params, VoxelSize, compute_features_with, register};
 use gmpcr_eval::{PairErrors, WorldPoses, overlap_matrix};
 use gmpcr_sim::{SimParams, simulate};
 
@@ -17,12 +17,9 @@ fn overlapping_scans_of_furnished_rooms_are_registered() {
             ..SimParams::default()
         };
         let scans = simulate(&params).unwrap();
-        let clouds = scans.clouds.iter().cloned().map(|points| Cloud {
-            points,
-            viewpoint: None,
-        });
-        let in_voxels = FeatureParams::from_voxel_size(1.0);
-        let set = compute_features_with(clouds.collect(), Some(0.05), &in_voxels, &()).unwrap();
+        let clouds = scans.clouds.iter().cloned().map(Cloud::new).collect();
+        let set = compute_features_with(clouds, &FeatureParams::default(), VoxelSize::Given, &());
+        let set = set.unwrap();
         let registration = register(&set.scans, &Params::threedmatch()).unwrap();
 
         let poses = registration

@@ -149,6 +149,54 @@ impl PosedGraph {
         Self::new(poses.collect(), edges.collect())
     }
 
+    /// The same graph where scans have coordinates of other frames: `new_from_old(k)` maps those of scan `k` to the
+    /// new ones.
+    ///
+    /// With `N_k` this transformation and `r` the scan of the first pose, whose coordinates the world follows, a
+    /// pose `T_k` becomes `N_r T_k N_k⁻¹`, a relative pose `T_ij` becomes `N_i T_ij N_j⁻¹`, and its information `Λ`
+    /// becomes `Aᵀ Λ A` with the adjoint `A` of `N_j⁻¹`, so that every error costs the same as before.
+    ///
+    /// # Example
+    /// ```
+    /// use gmpcr_io::{MeasuredEdge, PosedGraph};
+    /// use nalgebra::{Isometry3, Matrix6};
+    ///
+    /// let x = |x| Isometry3::translation(x, 0.0, 0.0);
+    /// let edge = MeasuredEdge { i: 0, j: 1, i_from_j: x(3.0), information: Matrix6::identity() };
+    /// let graph = PosedGraph::new(vec![(0, x(0.0)), (1, x(3.0))], vec![edge])?;
+    ///
+    /// // Coordinates of both scans are counted from a place 100 m away.
+    /// let far = graph.with_scan_frames(|_| Isometry3::translation(0.0, 100.0, 0.0)).to_g2o();
+    /// assert_eq!(far.vertices, graph.to_g2o().vertices);
+    /// // A rotation about the zero of scan 1 moves its points by a hundred times its angle.
+    /// assert_eq!(far.edges[0].information[(5, 5)], 4.0 * (1.0 + 100.0 * 100.0));
+    /// # Ok::<(), gmpcr_io::PosedGraphError>(())
+    /// ```
+    #[must_use]
+    pub fn with_scan_frames(&self, new_from_old: impl Fn(usize) -> Isometry3<f64>) -> Self {
+        let reference = self.poses.first().map_or(0, |&(scan, _)| scan);
+        let changed = |i: usize, i_from_j: &Isometry3<f64>, j: usize| {
+            new_from_old(i) * i_from_j * new_from_old(j).inverse()
+        };
+        let poses = self.poses.iter();
+        let edges = self.edges.iter().map(|edge| {
+            let adjoint = adjoint(&new_from_old(edge.j).inverse());
+            MeasuredEdge {
+                i: edge.i,
+                j: edge.j,
+                i_from_j: changed(edge.i, &edge.i_from_j, edge.j),
+                information: adjoint.transpose() * edge.information * adjoint,
+            }
+        });
+        Self {
+            poses: poses
+                .map(|(scan, pose)| (*scan, changed(reference, pose, *scan)))
+                .collect(),
+            edges: edges.collect(),
+            places: self.places.clone(),
+        }
+    }
+
     /// The graph for g2o; ids are the numbers of the scans.
     ///
     /// g2o measures a rotation by the vector part of its unit quaternion, half of the angle. With
@@ -193,6 +241,18 @@ impl PosedGraph {
     }
 }
 
+/// Maps a tangent `(v, ω)` at the right of a transformation to the frame that `transformation` leads to:
+/// `(R v + t × R ω, R ω)`.
+fn adjoint(transformation: &Isometry3<f64>) -> Matrix6<f64> {
+    let rotation = transformation.rotation.to_rotation_matrix().into_inner();
+    let moment = transformation.translation.vector.cross_matrix() * rotation;
+    let mut adjoint = Matrix6::zeros();
+    adjoint.fixed_view_mut::<3, 3>(0, 0).copy_from(&rotation);
+    adjoint.fixed_view_mut::<3, 3>(3, 3).copy_from(&rotation);
+    adjoint.fixed_view_mut::<3, 3>(0, 3).copy_from(&moment);
+    adjoint
+}
+
 /// `S Λ S` with `S = diag(1, 1, 1, 2, 2, 2)`.
 fn of_half_angles(information: &Matrix6<f64>) -> Matrix6<f64> {
     let scale = Vector6::new(1.0, 1.0, 1.0, 2.0, 2.0, 2.0);
@@ -206,6 +266,8 @@ fn rotation_first(information: &Matrix6<f64>) -> Matrix6<f64> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
 
     fn edge(i: usize, j: usize) -> MeasuredEdge {
@@ -234,6 +296,37 @@ mod tests {
             "edge (7, 5) names scan 5, which has no pose"
         );
         assert!(PosedGraph::new(vec![], vec![]).is_ok());
+    }
+
+    #[test]
+    fn errors_cost_the_same_in_other_coordinates() {
+        let frame = |scan: usize| {
+            let k = scan as f64;
+            Isometry3::new(
+                Vector3::new(50.0, -k, 9.0),
+                Vector3::new(0.2, 0.5 * k, -1.0),
+            )
+        };
+        let small = Isometry3::new(
+            Vector3::new(2e-4, -1e-4, 3e-4),
+            Vector3::new(1e-4, 4e-4, -2e-4),
+        );
+        let root = Matrix6::from_fn(|row, column| ((3 * row + 5 * column) as f64).sin());
+        let measured = MeasuredEdge {
+            information: root * root.transpose() + Matrix6::identity(),
+            ..edge(2, 5)
+        };
+        let graph = PosedGraph::new(poses(&[2, 5]), vec![measured]).unwrap();
+        let moved = graph.with_scan_frames(frame);
+        let cost = |edge: &MeasuredEdge, true_i_from_j: &Isometry3<f64>| {
+            let error = edge.i_from_j.inv_mul(true_i_from_j);
+            let (v, w) = (error.translation.vector, error.rotation.scaled_axis());
+            let tangent = Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z);
+            (tangent.transpose() * edge.information * tangent).x
+        };
+        let before = cost(&graph.edges[0], &small);
+        let after = cost(&moved.edges[0], &(frame(2) * small * frame(5).inverse()));
+        assert!((after / before - 1.0).abs() < 0.01, "{before} and {after}");
     }
 
     #[test]
