@@ -45,7 +45,7 @@ pub enum Command {
     Pair(PairArguments),
     /// Synchronize the relative poses of a g2o file.
     Sync(SyncArguments),
-    /// Describe scans: points, extent, resolution, overlap.
+    /// Print points, extent, resolution and overlap of scans.
     Info(InfoArguments),
     /// Compare a result with the ground truth.
     Eval(EvalArguments),

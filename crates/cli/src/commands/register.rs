@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::result::ResultFile;
 use crate::scan_files::files_of;
 use crate::table::{counted, significant, table};
-use crate::warnings::notices;
+use crate::warnings::in_words;
 
 pub fn run(
     arguments: &RegisterArguments,
@@ -33,8 +33,7 @@ pub fn run(
     let params = config.params(input.set.voxel_size);
     let registration =
         register_observed(&input.set.scans, &params, progress).map_err(Failure::of_registration)?;
-    let warnings = registration.warnings(&params);
-    let warnings = notices(&input, &registration, warnings);
+    let warnings = in_words(&input, &registration, registration.warnings(&params));
     let world_from_local = registration.world_from_scan.clone();
     let registration = input.set.in_cloud_frames(registration);
     let result = ResultFile::new(&input, &config, registration, warnings);
@@ -107,8 +106,8 @@ fn summary(result: &ResultFile, is_verbose: bool) -> String {
         let _ = writeln!(text, "\nwarnings");
     }
     let num_shown = if is_verbose { usize::MAX } else { FEW };
-    for notice in result.warnings.iter().take(num_shown) {
-        let _ = writeln!(text, "- {}", notice.text);
+    for finding in result.warnings.iter().take(num_shown) {
+        let _ = writeln!(text, "- {}", finding.text);
     }
     let num_hidden = result.warnings.len().saturating_sub(num_shown);
     if num_hidden > 0 {
@@ -134,7 +133,7 @@ fn overview(result: &ResultFile) -> String {
             format!("{} of {}", components.largest().len(), result.scans.len()),
         ),
         ("components", components.members().len().to_string()),
-        ("on a single edge", on_single_edges(result)),
+        ("behind a bridge", behind_bridges(result)),
         ("edges", format!("{num_edges} of {num_pairs} scored pairs")),
         (
             "voxel size",
@@ -157,12 +156,12 @@ fn times(result: &ResultFile) -> String {
     format!("{}: {}", seconds(total), stages.join(", "))
 }
 
-/// How many scans are where they are because of one edge, which nothing confirms.
-fn on_single_edges(result: &ResultFile) -> String {
+/// How many scans a bridge alone connects to the rest: nothing confirms their poses.
+fn behind_bridges(result: &ResultFile) -> String {
     let mut scans: Vec<usize> = result
         .warnings
         .iter()
-        .filter_map(|notice| match &notice.warning {
+        .filter_map(|finding| match &finding.warning {
             Warning::Bridge { scans, .. } => Some(scans),
             _ => None,
         })
@@ -183,7 +182,7 @@ fn scan_table(result: &ResultFile) -> String {
             scan.name.clone(),
             registration.components.label(k).to_string(),
             scan.points.to_string(),
-            scan.described.to_string(),
+            scan.with_features.to_string(),
             edges.count().to_string(),
         ]
     });
@@ -202,10 +201,10 @@ fn edge_table(result: &ResultFile, positions: impl IntoIterator<Item = usize>) -
         "after",
         "residual",
     ];
-    // The result follows a single edge wherever it leads.
+    // The result follows a bridge wherever it leads, so that its residual says nothing.
     let mut is_bridge = vec![false; result.registration.edges.len()];
-    for notice in &result.warnings {
-        if let Warning::Bridge { edge, .. } = notice.warning {
+    for finding in &result.warnings {
+        if let Warning::Bridge { edge, .. } = finding.warning {
             is_bridge[edge] = true;
         }
     }

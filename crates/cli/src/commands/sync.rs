@@ -112,8 +112,8 @@ impl Solved<'_> {
             let residual = self.position_residual();
             let _ = writeln!(
                 text,
-                "positions were not solved to the end (residual {residual:.1e}): distant poses may be off against \
-                 each other"
+                "positions were not solved to the end (residual {residual:.1e}): relative poses of distant scans may \
+                 be inaccurate"
             );
         }
         text
