@@ -74,12 +74,12 @@ function recordFrames() {
 
 const frameCount = (page) => page.evaluate(() => window.frameTimes.length);
 
-/** Waits until the page lets two frames pass without drawing. */
+/** Waits until the page lets four frames pass without drawing. */
 const settle = (page) =>
   page.evaluate(async () => {
     for (let before = -1; before !== window.frameTimes.length; ) {
       before = window.frameTimes.length;
-      for (let k = 0; k < 2; k++) await new Promise(window.nextFrame);
+      for (let k = 0; k < 4; k++) await new Promise(window.nextFrame);
     }
   });
 

@@ -161,7 +161,7 @@ fn several_scans_in_one_file_have_names_of_their_own() {
 fn georeferenced_scans_come_back_in_their_own_coordinates() {
     let place = Workplace::new();
     let folder = place.create("scans");
-    // The poses of the survey are off by metres and degrees, far from zero.
+    // The poses of the survey are off by meters and degrees, far from zero.
     let survey_from_scan = |k: usize| {
         let corner = Vector3::new(448_262.0 + 3.0 * k as f64, 5_411_932.0, 120.0);
         Isometry3::new(corner, Vector3::z() * 0.02 * k as f64) * room().world_from_scan[k]
@@ -183,7 +183,7 @@ fn georeferenced_scans_come_back_in_their_own_coordinates() {
         .collect();
     assert_close(&world_from_scan, &room().world_from_scan);
 
-    // The merged cloud has no steps of half a metre, as single precision would have it.
+    // The merged cloud has no steps of half a meter, as single precision would have it.
     let merged = read_ply(place.path("out/merged.ply")).unwrap().points;
     let expected = survey_from_scan(0) * room().clouds[0][7];
     assert!(
@@ -194,11 +194,11 @@ fn georeferenced_scans_come_back_in_their_own_coordinates() {
 }
 
 #[test]
-fn described_keypoints_of_files_are_registered_with_and_without_clouds() {
+fn keypoints_and_descriptors_of_files_are_registered_with_and_without_clouds() {
     let place = Workplace::with_scans();
     let folder = place.create("learned");
     for (k, cloud) in room().clouds.iter().enumerate() {
-        let scan = gmpcr::describe_cloud(cloud, &Default::default()).unwrap();
+        let scan = gmpcr::compute_scan(cloud, &Default::default()).unwrap();
         fs::write(folder.join(format!("{k}.kpts.npy")), npy(scan.points())).unwrap();
         let mut bytes = Vec::new();
         let options = npyz::WriteOptions::new().default_dtype();
