@@ -45,7 +45,7 @@ pub enum Command {
     Pair(PairArguments),
     /// Synchronize the relative poses of a g2o file.
     Sync(SyncArguments),
-    /// Describe scans: points, extent, resolution, overlap.
+    /// Print points, extent, resolution and overlap of scans.
     Info(InfoArguments),
     /// Compare a result with the ground truth.
     Eval(EvalArguments),
@@ -130,10 +130,11 @@ pub struct EvalArguments {
     /// absolute poses as TUM, KITTI or rows of 3×4 matrices; or the folder of a benchmark's scene.
     #[arg(value_name = "GROUND_TRUTH")]
     pub ground_truth: PathBuf,
-    /// A pair counts as registered within this angle (degrees) …
+    /// Largest rotation error of a registered pair, in degrees.
     #[arg(long, value_name = "DEGREES", default_value_t = 15.0, value_parser = positive)]
     pub max_rotation: f64,
-    /// … and this length in the unit of the scans; the default is meant for rooms in meters.
+    /// Largest translation error of a registered pair, in the unit of the scans. The default is meant for
+    /// rooms in meters.
     #[arg(long, value_name = "LENGTH", default_value_t = 0.3, value_parser = positive)]
     pub max_translation: f64,
 }

@@ -18,6 +18,7 @@ pub struct Input {
     pub files: Vec<ScanFile>,
     /// In the order of the files.
     pub set: ScanSet,
+    /// Whether the voxel size follows from the scans.
     pub voxel_is_estimated: bool,
     /// What features the points have, in words.
     pub features: &'static str,
@@ -79,7 +80,7 @@ impl Input {
             }
             descriptor_files_of_clouds(files, folder)?
         };
-        let (mut scans, describing) = progress.stage("descriptors", sets.len(), || {
+        let (mut scans, descriptors) = progress.stage("descriptors", sets.len(), || {
             let read = |files: &DescriptorFiles| progress.item(|| files.read());
             let scans: Result<Vec<_>, Failure> = sets.par_iter().map(read).collect();
             Ok(scans?.into_iter().collect::<Result<Vec<Scan>, _>>()?)
@@ -100,11 +101,11 @@ impl Input {
             set,
             voxel_is_estimated: config.voxel_size.is_none(),
             features: "descriptors of files",
-            times: vec![("reading", reading), ("descriptors", describing)],
+            times: vec![("reading", reading), ("descriptors", descriptors)],
         })
     }
 
-    /// The names of the scans.
+    /// The name of a scan.
     pub fn name(&self, scan: usize) -> &str {
         &self.files[scan].name
     }

@@ -15,12 +15,12 @@ use gmpcr_io::{
 use crate::input::Input;
 use crate::outcome::Failure;
 use crate::progress::Progress;
-use crate::report::report_html;
+use crate::report::Report;
 use crate::result::ResultFile;
 
 type Write = fn(&Output, &Path) -> Result<(), Failure>;
 
-/// The files in the order in which they are written: `result.json` says that all are there.
+/// The files in the order in which they are written: `result.json` is the last, so that all are there where it is.
 pub const FILES: [(&str, Write); 7] = [
     ("poses.tum", |output, path| output.write_tum(path)),
     ("poses.txt", |output, path| output.write_rows(path)),
@@ -106,7 +106,13 @@ impl Output<'_> {
     }
 
     fn write_report(&self, path: &Path) -> Result<(), Failure> {
-        Ok(write_text(path, &report_html(self))?)
+        let report = Report {
+            title: self.title,
+            result: self.result,
+            clouds: &self.input.set.clouds,
+            world_from_local: self.world_from_local,
+        };
+        Ok(write_text(path, &report.to_html())?)
     }
 
     fn write_result(&self, path: &Path) -> Result<(), Failure> {
@@ -155,7 +161,7 @@ impl Output<'_> {
     }
 
     /// In the coordinates of the files.
-    pub fn registration(&self) -> &Registration {
+    fn registration(&self) -> &Registration {
         &self.result.registration
     }
 }

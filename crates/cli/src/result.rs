@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::config::Config;
 use crate::input::Input;
-use crate::warnings::Notice;
+use crate::warnings::Finding;
 
 /// The form of the file that this version writes. Form 1, which had a layout of its own, is still read by
 /// `gmpcr eval`.
@@ -25,16 +25,19 @@ pub struct ResultFile {
     pub parameters: Value,
     /// In the unit of the scans.
     pub voxel_size: f64,
+    /// Whether it follows from the scans, and not from the parameters.
     pub voxel_is_estimated: bool,
     /// Lengths that follow from the voxel size, in the unit of the scans.
     pub lengths: Lengths,
+    /// What features the points have, in words.
     pub features: String,
     /// What the files have, in the order of the registration.
     pub scans: Vec<ScanResult>,
     /// The library's result, in the coordinates of the files. The frame of the largest component is that of the
     /// other files.
     pub registration: Registration,
-    pub warnings: Vec<Notice>,
+    /// The gravest kind first.
+    pub warnings: Vec<Finding>,
     /// Wall time of each stage, reading included.
     pub stages: Vec<StageResult>,
 }
@@ -51,13 +54,13 @@ pub struct Lengths {
 pub struct ScanResult {
     pub name: String,
     pub file: PathBuf,
-    /// Where coordinates were counted from meanwhile; zero, but for georeferenced scans.
+    /// What was subtracted from the coordinates for the computation; zero, but for georeferenced scans.
     pub origin: [f64; 3],
     pub points: usize,
     /// Points without a position.
     pub invalid: usize,
-    /// Points with a descriptor.
-    pub described: usize,
+    /// Points with normals and descriptors.
+    pub with_features: usize,
     /// Why it could not be read.
     pub problem: Option<String>,
 }
@@ -74,7 +77,7 @@ impl ResultFile {
         input: &Input,
         config: &Config,
         registration: Registration,
-        warnings: Vec<Notice>,
+        warnings: Vec<Finding>,
     ) -> Self {
         let params = config.params(input.set.voxel_size);
         Self {
@@ -99,21 +102,19 @@ impl ResultFile {
 }
 
 fn scans(input: &Input) -> Vec<ScanResult> {
-    let clouds = input.set.clouds.iter().zip(&input.set.scans);
-    let scans = input.files.iter().zip(clouds);
-    let scan = |(file, (cloud, scan)): (&crate::scan_files::ScanFile, (_, &gmpcr::Scan))| {
-        let cloud: &gmpcr::features::LocalCloud = cloud;
-        ScanResult {
+    let set = &input.set;
+    let files = input.files.iter().enumerate();
+    files
+        .map(|(k, file)| ScanResult {
             name: file.name.clone(),
             file: file.file.clone(),
-            origin: cloud.origin.into(),
-            points: cloud.points.len(),
+            origin: set.clouds[k].origin.into(),
+            points: set.clouds[k].points.len(),
             invalid: file.invalid,
-            described: scan.len(),
+            with_features: set.scans[k].len(),
             problem: file.problem.clone(),
-        }
-    };
-    scans.map(scan).collect()
+        })
+        .collect()
 }
 
 fn stages(input: &Input, registration: &Registration) -> Vec<StageResult> {

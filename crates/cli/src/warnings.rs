@@ -8,23 +8,27 @@ use crate::table::significant;
 
 /// A warning, and what the user reads of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Notice {
+pub struct Finding {
     #[serde(flatten)]
     pub warning: Warning,
     pub text: String,
 }
 
 /// Puts warnings into words, with the names of the scans.
-pub fn notices(input: &Input, registration: &Registration, warnings: Vec<Warning>) -> Vec<Notice> {
+pub fn in_words(
+    input: &Input,
+    registration: &Registration,
+    warnings: Vec<Warning>,
+) -> Vec<Finding> {
     let words = Words {
         input,
         registration,
     };
-    let notice = |warning| Notice {
+    let finding = |warning| Finding {
         text: words.of(&warning),
         warning,
     };
-    warnings.into_iter().map(notice).collect()
+    warnings.into_iter().map(finding).collect()
 }
 
 struct Words<'a> {
@@ -77,7 +81,7 @@ impl Words<'_> {
     fn bridge(&self, edge: usize, scans: &[usize]) -> String {
         let edge = &self.registration.edges[edge];
         format!(
-            "only the edge {} – {} ({}) holds {} in place: nothing confirms {} pose{}",
+            "only the edge {} – {} ({}) connects {} to the rest: nothing confirms {} pose{}",
             self.input.name(edge.i),
             self.input.name(edge.j),
             support(edge),

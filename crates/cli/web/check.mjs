@@ -74,12 +74,12 @@ function recordFrames() {
 
 const frameCount = (page) => page.evaluate(() => window.frameTimes.length);
 
-/** Waits until the page lets two frames pass without drawing. */
+/** Waits until the page lets four frames pass without drawing. */
 const settle = (page) =>
   page.evaluate(async () => {
     for (let before = -1; before !== window.frameTimes.length; ) {
       before = window.frameTimes.length;
-      for (let k = 0; k < 2; k++) await new Promise(window.nextFrame);
+      for (let k = 0; k < 4; k++) await new Promise(window.nextFrame);
     }
   });
 
@@ -136,33 +136,35 @@ const edgeKeys = "i j confidence inlier_ratio correspondences clique_size clique
 
 /** The keys of every object in the data, alike for the program and for sample.mjs. */
 const contract = {
-  report: "title version features voxel voxel_is_estimated scans components poses edges unresolved confidences stages attention",
-  scans: "name component color points count positions attention",
+  report: "title version features voxel_size voxel_is_estimated scans components poses edges unresolved scored_pairs stages warnings",
+  scans: "name component color points count positions has_warning",
   components: "scans origin step",
   edges: edgeKeys,
-  unresolved: "i j confidence",
+  unresolved: "i j confidence cliques_seen budget_exhausted",
   stages: "name seconds",
-  attention: "kind scans edge text",
+  warnings: "kind scans edge text",
 };
 
 function checkContract({ data }) {
   const keys = (object) => Object.keys(object).sort().join(" ");
   for (const [name, expected] of Object.entries(contract)) {
     const objects = name === "report" ? [data] : data[name];
-    const wrong = objects.map(keys).find((found) => found !== expected.split(" ").sort().join(" "));
-    check(`the data keep the contract: ${name}`, wrong === undefined, wrong);
+    const other = objects.map(keys).find((found) => found !== expected.split(" ").sort().join(" "));
+    check(`the data keep the contract: ${name}`, other === undefined, other);
   }
   const n = data.scans.length;
-  checkEqual("confidences", data.confidences.length, (n * (n - 1)) / 2);
-  const kinds = ["alone", "frame", "loose", "bridge", "contradiction"];
+  const keysOfPairs = new Set(data.scored_pairs.map(([i, j]) => `${i},${j}`));
+  check("scored pairs are pairs, each once", keysOfPairs.size === data.scored_pairs.length && data.scored_pairs.every(([i, j]) => 0 <= i && i < j && j < n));
+  check("edges are scored pairs", data.edges.every(({ i, j }) => keysOfPairs.has(`${i},${j}`)));
+  const kinds = ["unregistered", "separate_frame", "loose", "bridge", "contradiction"];
   const names = (kind, edge) => (edge !== null) === ["bridge", "contradiction"].includes(kind);
-  check("notices are of known kinds, and name an edge where they should", data.attention.every(({ kind, edge }) => kinds.includes(kind) && names(kind, edge)));
-  const deserving = new Set(data.attention.flatMap(({ kind, scans }) => (kind === "contradiction" ? [] : scans)));
-  check("the scans of grave notices are marked", data.scans.every((scan, k) => scan.attention === deserving.has(k)));
+  check("warnings are of known kinds, and name an edge where they should", data.warnings.every(({ kind, edge }) => kinds.includes(kind) && names(kind, edge)));
+  const withWarning = new Set(data.warnings.flatMap(({ kind, scans }) => (kind === "contradiction" ? [] : scans)));
+  check("the scans of grave warnings are marked", data.scans.every((scan, k) => scan.has_warning === withWarning.has(k)));
 }
 
-const shareOf = (edge) => (edge.initial_weight > 0 ? edge.final_weight / edge.initial_weight : 0);
-const isBridge = (data, { i, j }) => data.attention.some(({ kind, edge }) => kind === "bridge" && edge[0] === i && edge[1] === j);
+const keptFraction = (edge) => (edge.initial_weight > 0 ? edge.final_weight / edge.initial_weight : 0);
+const isBridge = (data, { i, j }) => data.warnings.some(({ kind, edge }) => kind === "bridge" && edge[0] === i && edge[1] === j);
 const plain = (text) => text.replaceAll("\u202f", " ").replaceAll("\u2212", "-").replaceAll("\u2013", "-");
 
 async function checkText({ page, data }) {
@@ -173,17 +175,17 @@ async function checkText({ page, data }) {
   const largest = data.components.reduce((most, { scans }) => Math.max(most, scans.length), 0);
   const verdict = largest < 2 ? `${n} scan` : largest === n ? `${n} scans in one frame` : `${largest} of ${n} scans in one frame`;
   check("the summary says how many scans share a frame", summary.startsWith(verdict), summary);
-  const bridges = data.attention.filter(({ kind }) => kind === "bridge").length;
-  checkEqual("and how many parts hang on one edge", Number(summary.match(/(\d+) parts? hangs? on a single edge/)?.[1] ?? 0), bridges);
+  const bridges = data.warnings.filter(({ kind }) => kind === "bridge").length;
+  checkEqual("and how many groups a bridge connects", Number(summary.match(/(\d+) groups? connected by a bridge only/)?.[1] ?? 0), bridges);
   const names = await page.$$eval(".scan button", (buttons) => buttons.map((button) => button.textContent));
   check("the list shows every name as it is written", [...names].sort().join("\n") === data.scans.map((scan) => scan.name).sort().join("\n"));
   checkEqual("elements made of names", await page.locator("main img, main script, [onerror]").count(), 0);
-  const attention = await page.$$eval("#attention li", (items) => items.map((item) => item.textContent));
-  check(`the attention list has its ${data.attention.length} entries`, attention.join("\n") === data.attention.map((a) => a.text).join("\n"));
-  if (data.attention.length === 0) {
-    check("an empty attention list says so", (await page.textContent("#attention")).includes("Nothing stands out"));
+  const warnings = await page.$$eval("#warnings li", (items) => items.map((item) => item.textContent));
+  check(`the list of warnings has its ${data.warnings.length} entries`, warnings.join("\n") === data.warnings.map((warning) => warning.text).join("\n"));
+  if (data.warnings.length === 0) {
+    check("an empty list of warnings says so", (await page.textContent("#warnings")).includes("There are none"));
   } else {
-    check("its heading counts them", (await page.textContent("#attention h2")).includes(`(${data.attention.length})`));
+    check("its heading counts them", (await page.textContent("#warnings h2")).includes(`(${data.warnings.length})`));
   }
 }
 
@@ -194,7 +196,7 @@ async function checkMarks({ page, data }) {
   const isReweighted = edges.some((edge) => edge.weights.length > 1);
   checkEqual("scans in the graph", await marks("#graph circle[data-node]"), isPlural ? scans.length : 0);
   checkEqual("edges in the graph", await marks("#graph path[data-edge]"), edges.length);
-  checkEqual("pairs without a motion in the graph", await marks("#graph .unresolved path"), data.unresolved.length);
+  checkEqual("pairs without a relative pose in the graph", await marks("#graph .unresolved path"), data.unresolved.length);
   checkEqual("pictures of the confidence matrix", await marks("#matrix figure image"), isPlural ? 1 : 0);
   checkEqual("edges in the confidence matrix", await marks("#matrix rect[data-edge]"), edges.length);
   checkEqual("lines of weights", await marks("#weights path[data-edge]"), isReweighted ? edges.length : 0);
@@ -202,42 +204,42 @@ async function checkMarks({ page, data }) {
   checkEqual("bars of stages", await marks("#stages .bars rect"), stages.length);
 }
 
-/** How dark a colour is, of its three channels in 0..255. */
+/** How dark a color is, of its three channels in 0..255. */
 const darkness = ([red, green, blue]) => 255 - (0.3 * red + 0.59 * green + 0.11 * blue);
 
 /** Whether darkness never falls by more than rounding explains, in the order of `values`. */
 function darkensWith(entries) {
   const sorted = [...entries].sort((a, b) => a.value - b.value);
-  return sorted.every((entry, k) => k === 0 || darkness(entry.colour) >= darkness(sorted[k - 1].colour) - 1.5);
+  return sorted.every((entry, k) => k === 0 || darkness(entry.color) >= darkness(sorted[k - 1].color) - 1.5);
 }
 
-/** Colours of the edges as the graph, the matrix, the weights and the table show them: by what became of each. */
-async function checkColours({ page, data }) {
+/** Colors of the edges as the graph, the matrix, the weights and the table show them: by what became of each. */
+async function checkColors({ page, data }) {
   if (data.edges.length === 0) return;
-  const coloursOf = (selector, property) =>
+  const colorsOf = (selector, property) =>
     page.$$eval(selector, (marks, style) => {
-      const colours = [];
+      const colors = [];
       for (const mark of marks) {
         const styled = style === "backgroundColor" ? mark.querySelector(".swatch") : mark;
-        colours[mark.dataset.edge] = getComputedStyle(styled)[style];
+        colors[mark.dataset.edge] = getComputedStyle(styled)[style];
       }
-      return colours;
+      return colors;
     }, property);
-  const colours = await coloursOf("#graph path[data-edge]", "stroke");
+  const colors = await colorsOf("#graph path[data-edge]", "stroke");
   for (const [place, selector, property] of [["matrix", "#matrix rect[data-edge]", "fill"], ["weights", "#weights path[data-edge]", "stroke"], ["table", "#edges tr[data-edge]", "backgroundColor"]]) {
-    const others = await coloursOf(selector, property);
-    check(`colours of the graph in the ${place}`, others.length === 0 || others.join() === colours.join());
+    const others = await colorsOf(selector, property);
+    check(`colors of the graph in the ${place}`, others.length === 0 || others.join() === colors.join());
   }
-  const state = (edge) => (isBridge(data, edge) ? "bridge" : shareOf(edge) < 0.1 ? "dropped" : "kept");
-  const shown = data.edges.map((edge, k) => ({ state: state(edge), value: shareOf(edge), text: colours[k], colour: colours[k].match(/\d+/g).map(Number) }));
+  const state = (edge) => (isBridge(data, edge) ? "bridge" : keptFraction(edge) < 0.1 ? "dropped" : "kept");
+  const shown = data.edges.map((edge, k) => ({ state: state(edge), value: keptFraction(edge), text: colors[k], color: colors[k].match(/\d+/g).map(Number) }));
   const texts = (wanted) => new Set(shown.filter((edge) => edge.state === wanted).map((edge) => edge.text));
   const [bridges, dropped, kept] = ["bridge", "dropped", "kept"].map(texts);
-  check("bridges have one colour, dropped edges another", bridges.size <= 1 && dropped.size <= 1 && [...bridges].every((text) => !dropped.has(text)));
+  check("bridges have one color, dropped edges another", bridges.size <= 1 && dropped.size <= 1 && [...bridges].every((text) => !dropped.has(text)));
   check("which no other edge has", [...bridges, ...dropped].every((text) => !kept.has(text)));
   check("kept edges are the darker, the more they kept", darkensWith(shown.filter((edge) => edge.state === "kept")));
 }
 
-/** Colours of the cells of the confidence matrix, where the pointer finds them. */
+/** Colors of the cells of the confidence matrix, where the pointer finds them. */
 async function checkHeatMap({ page, data }) {
   const n = data.scans.length;
   if (n < 2 || n > 100) return;
@@ -251,22 +253,24 @@ async function checkHeatMap({ page, data }) {
   });
   const pairs = Array.from({ length: n }, (_, i) => Array.from({ length: n - i - 1 }, (_, k) => [i, i + 1 + k])).flat();
   const isEdge = new Set(data.edges.map(({ i, j }) => `${i},${j}`));
-  const empty = pairs.filter((pair) => !isEdge.has(pair.join()));
-  const colours = await page.evaluate(async ({ encoded, places }) => {
+  const isScored = new Set(data.scored_pairs.map(([i, j]) => `${i},${j}`));
+  const empty = pairs.filter((pair) => !isEdge.has(pair.join())).map(([i, j]) => place(j, i));
+  const unscored = pairs.filter((pair) => !isScored.has(pair.join())).map(([i, j]) => place(i, j));
+  const colors = await page.evaluate(async ({ encoded, places }) => {
     const { width, data: bytes } = await window.decodePicture(encoded);
     return places.map(({ x, y }) => [...bytes.slice(4 * (Math.floor(y) * width + Math.floor(x))).slice(0, 3)]);
   }, {
     encoded: (await figure.screenshot()).toString("base64"),
-    places: [...pairs.map(([i, j]) => place(i, j)), ...empty.map(([i, j]) => place(j, i))],
+    places: [...data.scored_pairs.map(([i, j]) => place(i, j)), ...empty, ...unscored],
   });
-  const cells = pairs.map((_, k) => ({ value: data.confidences[k], colour: colours[k] }));
+  const cells = data.scored_pairs.map(([, , value], k) => ({ value, color: colors[k] }));
   check("cells above the diagonal are the darker, the more confident their pair is", darkensWith(cells));
-  const values = data.confidences;
+  const values = cells.map(({ value }) => value);
   if (Math.max(...values) > 4 * Math.min(...values)) {
-    const [least, most] = [Math.min, Math.max].map((pick) => cells.find(({ value }) => value === pick(...values)).colour);
-    check("and their colours differ", darkness(most) > darkness(least) + 60, `${least} and ${most}`);
+    const [least, most] = [Math.min, Math.max].map((pick) => cells.find(({ value }) => value === pick(...values)).color);
+    check("and their colors differ", darkness(most) > darkness(least) + 60, `${least} and ${most}`);
   }
-  check("cells below it without an edge are white", colours.slice(pairs.length).every((colour) => colour.join() === "255,255,255"));
+  check("cells without an edge below it, and without a confidence above it, are white", colors.slice(cells.length).every((color) => color.join() === "255,255,255"));
 }
 
 /** Heights of the lines of weights at their ends. */
@@ -299,15 +303,15 @@ const hasResidual = (data, edge) => edge.rotation_residual !== null && !isBridge
 async function checkTable({ page, data }) {
   if (data.edges.length === 0) return;
   const headings = (await page.$$eval("#edges th", (cells) => cells.map((cell) => cell.textContent))).map((text) => text.replaceAll("\u00ad", ""));
-  checkEqual("headings of the table", headings.join(" | "), "Edge | Confidence | Corr. | Agree | Weight | Kept | Rot. ° | Transl.");
+  checkEqual("headings of the table", headings.join(" | "), "Edge | Confidence | Corr. | Inliers | Weight | Kept | Rot. ° | Transl.");
   const rows = await page.$$eval("#edges tr[data-edge]", (all) => all.map((row) => ({ edge: Number(row.dataset.edge), cells: [...row.cells].map((cell) => cell.textContent) })));
   for (const { edge: index, cells } of rows) {
     const edge = data.edges[index];
-    const expected = [edge.confidence, edge.correspondences, 100 * edge.inlier_ratio, edge.final_weight, 100 * shareOf(edge), edge.rotation_residual, edge.translation_residual];
-    const isRight = expected.every((value, k) => (k > 4 && !hasResidual(data, edge) ? cells[k + 1] === "\u2013" : shows(cells[k + 1], value)));
-    if (!isRight || plain(cells[0]) !== `${edge.i} - ${edge.j}`) check(`row ${index} of the table shows its edge`, false, cells.join(" | "));
+    const expected = [edge.confidence, edge.correspondences, 100 * edge.inlier_ratio, edge.final_weight, 100 * keptFraction(edge), edge.rotation_residual, edge.translation_residual];
+    const isShown = expected.every((value, k) => (k > 4 && !hasResidual(data, edge) ? cells[k + 1] === "\u2013" : shows(cells[k + 1], value)));
+    if (!isShown || plain(cells[0]) !== `${edge.i} - ${edge.j}`) check(`row ${index} of the table shows its edge`, false, cells.join(" | "));
   }
-  const rank = (edge) => (isBridge(data, edge) ? 0 : shareOf(edge) < 0.1 ? 2 : 1);
+  const rank = (edge) => (isBridge(data, edge) ? 0 : keptFraction(edge) < 0.1 ? 2 : 1);
   const order = rows.map(({ edge }) => rank(data.edges[edge]));
   check("every row of the table shows its edge, bridges first and dropped edges last", order.every((r, k) => k === 0 || order[k - 1] <= r));
   const { scrollWidth, clientWidth } = await page.$eval(".table-frame", ({ scrollWidth, clientWidth }) => ({ scrollWidth, clientWidth }));
@@ -344,10 +348,10 @@ async function checkScene({ page, data }) {
   await page.click('[data-show="all"]');
   check("showing all brings the picture back", (await picture(page)) === all);
 
-  await page.selectOption('[data-control="colouring"]', "height");
-  check("colour by height changes the picture", (await picture(page)) !== all);
-  await page.selectOption('[data-control="colouring"]', "scan");
-  check("colour by scan brings it back", (await picture(page)) === all);
+  await page.selectOption('[data-control="coloring"]', "height");
+  check("color by height changes the picture", (await picture(page)) !== all);
+  await page.selectOption('[data-control="coloring"]', "scan");
+  check("color by scan brings it back", (await picture(page)) === all);
 
   await page.locator('[data-control="size"]').fill("5");
   check("larger points cover more", (await inkOf(page, await picture(page))).count > ink.count);
@@ -356,8 +360,8 @@ async function checkScene({ page, data }) {
   if (shown.length > 1) check("exploding moves the scans", (await picture(page)) !== all);
   await page.locator('[data-control="explode"]').fill("0");
   await page.check('[data-control="edges"]');
-  const isJoined = data.edges.some((edge) => shareOf(edge) >= 0.1 && shown.includes(edge.i) && shown.includes(edge.j));
-  check("kept edges show exactly where there are some", ((await picture(page)) !== all) === isJoined);
+  const isConnected = data.edges.some((edge) => keptFraction(edge) >= 0.1 && shown.includes(edge.i) && shown.includes(edge.j));
+  check("kept edges show exactly where there are some", ((await picture(page)) !== all) === isConnected);
   await page.uncheck('[data-control="edges"]');
   check("without them the picture is back", (await picture(page)) === all);
 
@@ -412,7 +416,7 @@ async function checkComponents({ page, data }) {
   check("the first component looks as before", (await picture(page)) === before);
 }
 
-async function checkEvidence({ page, data }) {
+async function checkFacts({ page, data }) {
   const line = page.locator("#graph path[data-edge]").last();
   if ((await line.count()) === 0) return;
   await page.locator("#graph").scrollIntoViewIfNeeded();
@@ -458,7 +462,7 @@ async function checkTooltip(page, data, edge) {
     "clique size": edge.clique_size,
     "cliques seen": edge.cliques_seen,
     weight: edge.initial_weight,
-    kept: 100 * shareOf(edge),
+    kept: 100 * keptFraction(edge),
     "rotation residual": edge.rotation_residual,
     "translation residual": edge.translation_residual,
   };
@@ -470,14 +474,14 @@ async function checkTooltip(page, data, edge) {
   check("and the final weight", shows(rows.weight.split("→ ")[1], edge.final_weight));
 }
 
-/** Grey lines: they answer to the pointer; they and the dropped edges can be switched off. */
+/** Gray lines: they answer to the pointer; they and the dropped edges can be switched off. */
 async function checkPairs(page, data) {
   const hit = page.locator("#graph .hit-pairs path").last();
   if ((await hit.count()) > 0) {
     await hit.dispatchEvent("mousemove", { clientX: 10, clientY: 10 });
     const [i, j] = plain(await page.textContent("#tooltip strong")).match(/\d+/g).map(Number);
-    const confidence = data.confidences[(i * (2 * data.scans.length - i - 1)) / 2 + (j - i - 1)];
-    check("a grey line tells the confidence of its pair", shows(await page.textContent("#tooltip dd"), confidence));
+    const [, , confidence] = data.scored_pairs.find((pair) => pair[0] === i && pair[1] === j);
+    check("a gray line tells the confidence of its pair", shows(await page.textContent("#tooltip dd"), confidence));
     check("which is no edge", !data.edges.some((edge) => edge.i === i && edge.j === j));
     await hit.dispatchEvent("mouseleave");
   }
@@ -520,19 +524,19 @@ async function checkSelection(page, data) {
   check("clearing brings the picture back", (await picture(page)) === before);
 }
 
-/** Clicks the first notice of every kind, and the one with most scans. */
-async function checkAttention({ page, data }) {
-  const { attention } = data;
-  if (await page.isVisible("#attention .more")) {
-    await page.click("#attention .more");
-    checkEqual("entries after \"show all\"", await page.locator("#attention li:visible").count(), attention.length);
+/** Clicks the first warning of every kind, and the one with most scans. */
+async function checkWarnings({ page, data }) {
+  const { warnings } = data;
+  if (await page.isVisible("#warnings .more")) {
+    await page.click("#warnings .more");
+    checkEqual("entries after \"show all\"", await page.locator("#warnings li:visible").count(), warnings.length);
   }
-  const most = attention.reduce((best, { scans }, k) => (scans.length > (attention[best]?.scans.length ?? 0) ? k : best), 0);
-  const empty = attention.findIndex(({ kind, scans }) => kind === "alone" && data.scans[scans[0]].count === 0);
-  const chosen = attention.flatMap(({ kind }, k) => (attention.findIndex((other) => other.kind === kind) === k || k === most || k === empty ? [k] : []));
+  const most = warnings.reduce((best, { scans }, k) => (scans.length > (warnings[best]?.scans.length ?? 0) ? k : best), 0);
+  const empty = warnings.findIndex(({ kind, scans }) => kind === "unregistered" && data.scans[scans[0]].count === 0);
+  const chosen = warnings.flatMap(({ kind }, k) => (warnings.findIndex((other) => other.kind === kind) === k || k === most || k === empty ? [k] : []));
   for (const k of chosen) {
-    const { kind, scans, edge, text } = attention[k];
-    await page.locator("#attention li button").nth(k).click();
+    const { kind, scans, edge, text } = warnings[k];
+    await page.locator("#warnings li button").nth(k).click();
     const marked = await page.$$eval(".scan.selected input", (inputs) => inputs.map((input) => Number(input.dataset.scan)));
     check(`entry ${k}, "${kind}", selects its scans`, marked.sort((a, b) => a - b).join() === [...scans].sort((a, b) => a - b).join(), marked.join());
     const rows = await page.$$eval("#edges tr.selected", (all) => all.map((row) => Number(row.dataset.edge)));
@@ -541,10 +545,10 @@ async function checkAttention({ page, data }) {
     const strip = plain(await page.textContent("#selection"));
     if (scans.length > 2) {
       const points = scans.reduce((sum, scan) => sum + data.scans[scan].points, 0);
-      const among = data.edges.filter((e) => shareOf(e) >= 0.1 && scans.includes(e.i) && scans.includes(e.j)).length;
+      const among = data.edges.filter((e) => keptFraction(e) >= 0.1 && scans.includes(e.i) && scans.includes(e.j)).length;
       check("the strip sums up a group", strip.startsWith(`${scans.length} scans`) && strip.replaceAll(" ", "").includes(`points${points}keptedgesamongthem${among}`), strip);
     }
-    if (kind === "alone") check("the strip says why", strip.includes(plain(text)), strip);
+    if (kind === "unregistered") check("the strip says why", strip.includes(plain(text)), strip);
     const hasPicture = (await page.locator("#canvas-frame canvas").count()) > 0 && data.scans.some((scan) => scan.count > 0);
     if (k === empty && hasPicture) check("and the picture stays", !(await page.isVisible("#canvas-frame .message")));
     await page.keyboard.press("Escape");
@@ -559,14 +563,14 @@ async function checkReport(browser, file) {
   checkContract(report);
   await checkText(report);
   await checkMarks(report);
-  await checkColours(report);
+  await checkColors(report);
   await checkHeatMap(report);
   await checkWeights(report);
   await checkTable(report);
   if (report.data.scans.length > 0) await checkScene(report);
   await checkComponents(report);
-  await checkEvidence(report);
-  await checkAttention(report);
+  await checkFacts(report);
+  await checkWarnings(report);
   if (process.env.GMPCR_SCREENSHOTS) await takeScreenshots(report.page, join(process.env.GMPCR_SCREENSHOTS, basename(file, ".html")));
   check("no error, no warning and no request but the file", report.troubles.length === 0, report.troubles.join("; "));
   await report.page.close();
@@ -587,19 +591,19 @@ async function checkWithoutWebGl(file) {
     check("a message stands in for the 3-D view", (await report.page.textContent("#canvas-frame .message")).includes("WebGL"));
     await checkText(report);
     await checkMarks(report);
-    await checkAttention(report);
+    await checkWarnings(report);
     check("no error, no warning and no request but the file", report.troubles.length === 0, report.troubles.join("; "));
   } finally {
     await browser.close();
   }
 }
 
-// ---------------------------------------------------------------------------------------- the programme
+// ---------------------------------------------------------------------------------------- the program
 
 /** Samples that together reach every branch of the page. */
 const samples = {
   rooms: { scans: 24, points: 2000 },
-  "sixty-scans": { scans: 60, points: 5000 },
+  "sixty-scans": { scans: 60, points: 5000, hasRetrieval: true },
   "one-scan": { scans: 1, points: 2000 },
   "two-scans-not-reweighted": { scans: 2, points: 2000, iterations: 0 },
   "no-edges": { scans: 5, points: 500, hasEdges: false },

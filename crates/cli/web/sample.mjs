@@ -1,7 +1,7 @@
 // Makes a sample of report.html from synthetic scans: `node sample.mjs OUT.html [scans] [points]`.
 //
 // The scans are pieces of two furnished rooms, each room one component, and two scans that fit nowhere, one of
-// them without a point. Of the larger room one part hangs on a single edge and one scan on dropped edges. Nothing
+// them without a point. In the larger room a bridge connects some scans, and dropped edges connect one scan. Nothing
 // is registered here: the numbers of the edges only look like those of a registration.
 
 import { readFileSync, writeFileSync } from "node:fs";
@@ -100,7 +100,7 @@ function poseOf({ x, y, heading }) {
 }
 
 /** Points as u16 steps from the lowest corner of their component. */
-function quantise(clouds) {
+function quantize(clouds) {
   const all = clouds.flat();
   if (all.length === 0) return { origin: [0, 0, 0], step: 0, encoded: clouds.map(() => "") };
   const origin = [0, 1, 2].map((axis) => all.reduce((low, p) => Math.min(low, p[axis]), Infinity));
@@ -113,7 +113,7 @@ function quantise(clouds) {
   return { origin, step, encoded: clouds.map(encode) };
 }
 
-function colourOf(index) {
+function colorOf(index) {
   const hue = (index * 0.618034) % 1;
   return [0, 1 / 3, 2 / 3].map((shift) => {
     const t = Math.abs((((hue + shift) % 1) * 6) - 3) - 1;
@@ -124,32 +124,32 @@ function colourOf(index) {
 /** Confidence of a pair: high where two sensors of one room look the same way, noise elsewhere. */
 function confidenceOf(a, b, random) {
   if (a.room !== b.room) return 0.04 * random();
-  const turn = Math.cos(a.heading - b.heading);
-  return 0.05 * random() + 0.95 * Math.max(0, (turn + 0.2) / 1.2) ** 2 * (0.75 + 0.25 * random());
+  const alignment = Math.cos(a.heading - b.heading);
+  return 0.05 * random() + 0.95 * Math.max(0, (alignment + 0.2) / 1.2) ** 2 * (0.75 + 0.25 * random());
 }
 
-/** Shares of its weight that an edge has after each iteration; a wrong one falls by orders of magnitude. */
-function sharesOf(isWrong, iterations, random) {
-  const last = isWrong ? 10 ** (-2 - 10 * random()) : 0.15 + 0.83 * random();
-  return Array.from({ length: iterations }, (_, k) => (isWrong ? last ** ((k + 1) / iterations) : last * (k === 0 ? 0.6 : 1)));
+/** Fractions of its weight that an edge has after each iteration; that of an outlier falls by orders of magnitude. */
+function fractionsOf(isOutlier, iterations, random) {
+  const last = isOutlier ? 10 ** (-2 - 10 * random()) : 0.15 + 0.83 * random();
+  return Array.from({ length: iterations }, (_, k) => (isOutlier ? last ** ((k + 1) / iterations) : last * (k === 0 ? 0.6 : 1)));
 }
 
-function edgeOf(i, j, confidence, { isWrong, joinsRooms }, iterations, random) {
+function edgeOf(i, j, confidence, { isOutlier, connectsRooms }, iterations, random) {
   const initial = confidence * (0.1 + 0.5 * random());
-  const weights = [initial, ...sharesOf(isWrong, iterations, random).map((share) => share * initial)];
+  const weights = [initial, ...fractionsOf(isOutlier, iterations, random).map((fraction) => fraction * initial)];
   return {
     i,
     j,
     confidence,
-    inlier_ratio: isWrong ? 0.1 : 0.4 + 0.5 * random(),
+    inlier_ratio: isOutlier ? 0.1 : 0.4 + 0.5 * random(),
     correspondences: Math.round(20 + 200 * confidence),
     clique_size: Math.round(4 + 12 * confidence),
     cliques_seen: Math.round(1000 * random()),
     budget_exhausted: random() < 0.05,
     initial_weight: initial,
-    final_weight: joinsRooms ? 0 : weights.at(-1),
-    rotation_residual: joinsRooms ? null : isWrong ? 25 + 150 * random() : 1.5 * random(),
-    translation_residual: joinsRooms ? null : isWrong ? 0.8 + 3 * random() : 0.04 * random(),
+    final_weight: connectsRooms ? 0 : weights.at(-1),
+    rotation_residual: connectsRooms ? null : isOutlier ? 25 + 150 * random() : 1.5 * random(),
+    translation_residual: connectsRooms ? null : isOutlier ? 0.8 + 3 * random() : 0.04 * random(),
     weights,
   };
 }
@@ -165,8 +165,11 @@ function confidentPairs(n, confidence, k) {
   return [...chosen].map((key) => key.split(",").map(Number)).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
 }
 
-/** Data of a report. Without edges every scan is a component of its own. */
-export function sampleData({ scans: n = 24, points = 3000, hasEdges = true, iterations = 10 } = {}) {
+/**
+ * Data of a report. Without edges every scan is a component of its own. With retrieval only the pairs of one room
+ * are scored, and the edges.
+ */
+export function sampleData({ scans: n = 24, points = 3000, hasEdges = true, iterations = 10, hasRetrieval = false } = {}) {
   const random = randomNumbers(7);
   const isConnected = hasEdges && n > 1;
   const lone = !isConnected || n < 5 ? 0 : n < 12 ? 1 : 2;
@@ -179,12 +182,10 @@ export function sampleData({ scans: n = 24, points = 3000, hasEdges = true, iter
   const isEmpty = (index) => lone === 2 && index === n - 1;
   const clouds = sensors.map((sensor, k) => (isEmpty(k) ? [] : scanOfRoom(sensor, points, random)));
 
-  const confidences = [];
   const table = sensors.map(() => []);
   for (let i = 0; i < n; i++) {
     for (let j = i + 1; j < n; j++) {
       table[i][j] = table[j][i] = isConnected ? confidenceOf(sensors[i], sensors[j], random) : 0.02 * random();
-      confidences.push(table[i][j]);
     }
   }
   const rooms = [0, 1].map((room) => sensors.flatMap((sensor, k) => (sensor.room === room ? [k] : []))).filter((room) => room.length > 0);
@@ -195,49 +196,57 @@ export function sampleData({ scans: n = 24, points = 3000, hasEdges = true, iter
   const kept = n < 12 ? pairs : withOneEdgeTo(new Set([loose - 3, loose - 2, loose - 1]), pairs, loose);
   if (inFirst < n - lone) kept.push([2, inFirst + 1]);
   const edges = kept.map(([i, j]) => {
-    const joinsRooms = roomOf(i) !== roomOf(j);
-    const isWrong = joinsRooms || i === loose || j === loose || (n > 6 && j > i + 4 && random() < 0.15);
-    return edgeOf(i, j, table[i][j], { isWrong, joinsRooms }, iterations, random);
+    const connectsRooms = roomOf(i) !== roomOf(j);
+    const isOutlier = connectsRooms || i === loose || j === loose || (n > 6 && j > i + 4 && random() < 0.15);
+    return edgeOf(i, j, table[i][j], { isOutlier, connectsRooms }, iterations, random);
   });
 
-  const components = members.map((scans) => ({ scans, ...quantise(scans.map((k) => clouds[k])) }));
+  const components = members.map((scans) => ({ scans, ...quantize(scans.map((k) => clouds[k])) }));
   const scans = sensors.map((_, index) => {
     const component = components.findIndex((c) => c.scans.includes(index));
     const { scans: all, encoded } = components[component];
     return {
       name: index === 1 ? hostileName : `cloud_bin_${index}.ply`,
       component,
-      color: colourOf(index),
+      color: colorOf(index),
       points: clouds[index].length * 4,
       count: clouds[index].length,
       positions: encoded[all.indexOf(index)],
     };
   });
-  const attention = attentionOf(scans, members, edges);
-  const deserving = new Set(attention.flatMap((notice) => (notice.kind === "contradiction" ? [] : notice.scans)));
+  const scored = scoredPairs(n, edges, (i, j) => !hasRetrieval || roomOf(i) === roomOf(j));
+  const warnings = warningsOf(scans, members, edges);
+  const withWarning = new Set(warnings.flatMap(({ kind, scans: all }) => (kind === "contradiction" ? [] : all)));
   return {
     title: "synthetic rooms",
     version: "gmpcr 0.1.0",
     features: "FPFH",
-    voxel: 0.05,
+    voxel_size: 0.05,
     voxel_is_estimated: true,
-    scans: scans.map((scan, k) => ({ ...scan, attention: deserving.has(k) })),
+    scans: scans.map((scan, k) => ({ ...scan, has_warning: withWarning.has(k) })),
     components: components.map(({ scans, origin, step }) => ({ scans, origin, step })),
     poses: sensors.map(poseOf),
     edges,
-    unresolved: isConnected && n > 6 ? [{ i: 0, j: 5, confidence: table[0][5] }] : [],
-    confidences,
+    unresolved: isConnected && n > 6 ? [{ i: 0, j: 5, confidence: table[0][5], cliques_seen: 3, budget_exhausted: false }] : [],
+    scored_pairs: scored.map(([i, j]) => [i, j, table[i][j]]),
     stages: [
       { name: "reading", seconds: 0.112 },
       { name: "features", seconds: 0.981 },
-      { name: "keypoints", seconds: 0.043 },
-      { name: "confidences", seconds: 0.31 },
-      { name: "edge motions", seconds: 0.087 },
-      { name: "synchronisation", seconds: 0.0041 },
+      { name: "sampling", seconds: 0.043 },
+      { name: "pair scoring", seconds: 0.31 },
+      { name: "pose estimation", seconds: 0.087 },
+      { name: "synchronization", seconds: 0.0041 },
       { name: "writing", seconds: 0.22 },
     ],
-    attention,
+    warnings,
   };
+}
+
+/** The pairs that are retrieved, and those of the edges. */
+function scoredPairs(n, edges, isRetrieved) {
+  const isEdge = new Set(edges.map(({ i, j }) => `${i},${j}`));
+  const pairs = Array.from({ length: n }, (_, i) => Array.from({ length: n - i - 1 }, (_, k) => [i, i + 1 + k])).flat();
+  return pairs.filter((pair) => isRetrieved(...pair) || isEdge.has(pair.join()));
 }
 
 /** The pairs without those between `part` and the others but for the first; `loose` is no other. */
@@ -247,7 +256,7 @@ function withOneEdgeTo(part, pairs, loose) {
   return pairs.filter((pair) => pair === first || !leaves(pair));
 }
 
-/** The parts of `n` scans that edges join. */
+/** The parts of `n` scans that edges connect. */
 function partsOf(n, edges) {
   const labels = Array.from({ length: n }, (_, k) => k);
   for (const { i, j } of edges) {
@@ -257,30 +266,30 @@ function partsOf(n, edges) {
   return [...new Set(labels)].map((label) => labels.flatMap((other, k) => (other === label ? [k] : [])));
 }
 
-function attentionOf(scans, members, edges) {
+function warningsOf(scans, members, edges) {
   const n = scans.length;
   const name = (k) => scans[k].name;
   const kept = edges.filter((edge) => edge.final_weight > 0 && edge.final_weight >= 0.1 * edge.initial_weight);
-  const alone = members.length < 2 ? [] : members.filter(({ length }) => length === 1).map(([k]) => ({
-    kind: "alone", scans: [k], edge: null, text: `${name(k)} is not registered: ${scans[k].count === 0 ? "it holds no points" : "no other scan agrees with it"}`,
+  const unregistered = members.length < 2 ? [] : members.filter(({ length }) => length === 1).map(([k]) => ({
+    kind: "unregistered", scans: [k], edge: null, text: `${name(k)} is not registered: ${scans[k].count === 0 ? "it holds no points" : "no other scan has correspondences with it that agree"}`,
   }));
   const frames = members.slice(1).filter(({ length }) => length > 1).map((all) => ({
-    kind: "frame", scans: all, edge: null, text: `${all.length} scans share a frame of their own`,
+    kind: "separate_frame", scans: all, edge: null, text: `${all.length} scans share a frame of their own`,
   }));
   const parts = partsOf(n, kept).filter((part) => members.some((all) => all.includes(part[0]) && part.length < all.length / 2));
   const loose = parts.map((part) => ({
-    kind: "loose", scans: part, edge: null, text: `${part.map(name).join(", ")} may be misplaced: only dropped edges join it to the rest`,
+    kind: "loose", scans: part, edge: null, text: `${part.map(name).join(", ")} may be misplaced: only dropped edges connect it to the rest`,
   }));
   const bridges = kept.flatMap((edge) => {
     const halves = partsOf(n, kept.filter((other) => other !== edge)).filter((part) => part.includes(edge.i) !== part.includes(edge.j));
     if (halves.length < 2) return [];
     const [part] = halves.sort((a, b) => a.length - b.length);
-    return [{ kind: "bridge", scans: part, edge: [edge.i, edge.j], text: `${part.map(name).join(", ")} on the single edge ${name(edge.i)} – ${name(edge.j)}: nothing confirms it` }];
+    return [{ kind: "bridge", scans: part, edge: [edge.i, edge.j], text: `${part.map(name).join(", ")} are connected by the edge ${name(edge.i)} – ${name(edge.j)} only: nothing confirms it` }];
   });
   const contradictions = edges.filter((edge) => !kept.includes(edge) && edge.final_weight > 0).slice(0, 10).map(({ i, j }) => ({
-    kind: "contradiction", scans: [i, j], edge: [i, j], text: `The result contradicts the motion between ${name(i)} and ${name(j)}`,
+    kind: "contradiction", scans: [i, j], edge: [i, j], text: `the relative pose of ${name(i)} and ${name(j)} contradicts the result`,
   }));
-  return [...alone, ...frames, ...loose, ...bridges, ...contradictions];
+  return [...unregistered, ...frames, ...loose, ...bridges, ...contradictions];
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {

@@ -8,8 +8,8 @@
 
   // ---------------------------------------------------------------------------------------- the data
 
-  /** An edge that kept less than this share of its weight is dropped: it contradicts the result. */
-  const smallestKeptShare = 0.1;
+  /** An edge that kept less than this fraction of its weight is dropped: it contradicts the result. */
+  const smallestKeptFraction = 0.1;
 
   /** The report with what is derived from it: components by kind, edges by pair and by what became of them. */
   function readReport() {
@@ -18,41 +18,28 @@
     bySize.sort((a, b) => report.components[b].scans.length - report.components[a].scans.length || a - b);
     report.registered = bySize.filter((c) => report.components[c].scans.length > 1);
     report.singles = bySize.filter((c) => report.components[c].scans.length === 1);
-    report.largestConfidence = largest(report.confidences);
-    const bridges = new Set(report.attention.filter(({ kind }) => kind === "bridge").map(({ edge }) => pairKey(...edge)));
+    report.scoredPairs = report.scored_pairs.map(([i, j, confidence]) => ({ i, j, confidence }));
+    report.largestConfidence = largest(report.scoredPairs.map(({ confidence }) => confidence));
+    const bridges = new Set(report.warnings.filter(({ kind }) => kind === "bridge").map(({ edge }) => pairKey(...edge)));
     report.edges.forEach((edge, index) => {
       edge.index = index;
-      edge.share = shareOf(edge.final_weight, edge);
-      edge.isKept = edge.share >= smallestKeptShare;
+      edge.keptFraction = fractionOf(edge.final_weight, edge);
+      edge.isKept = edge.keptFraction >= smallestKeptFraction;
       edge.isBridge = bridges.has(pairKey(edge.i, edge.j));
     });
     report.kept = report.edges.filter((edge) => edge.isKept);
     report.dropped = report.edges.filter((edge) => !edge.isKept);
     const edgeOfPair = new Map(report.edges.map((edge) => [pairKey(edge.i, edge.j), edge]));
     report.edgeBetween = (a, b) => edgeOfPair.get(pairKey(a, b)) ?? null;
-    report.confidenceBetween = (a, b) => report.confidences[pairIndex(report.scans.length, a, b)];
+    const confidenceOfPair = new Map(report.scoredPairs.map(({ i, j, confidence }) => [pairKey(i, j), confidence]));
+    report.confidenceBetween = (a, b) => confidenceOfPair.get(pairKey(a, b)) ?? null;
     return report;
   }
 
   /** A weight of an edge, relative to its initial one. */
-  const shareOf = (weight, edge) => (edge.initial_weight > 0 ? Math.min(1, Math.max(0, weight / edge.initial_weight)) : 0);
+  const fractionOf = (weight, edge) => (edge.initial_weight > 0 ? Math.min(1, Math.max(0, weight / edge.initial_weight)) : 0);
   const largest = (values) => values.reduce((a, b) => Math.max(a, b), 0);
   const pairKey = (a, b) => `${Math.min(a, b)},${Math.max(a, b)}`;
-
-  /** Place of a pair in the upper triangle without diagonal, row by row. */
-  function pairIndex(n, a, b) {
-    const [i, j] = a < b ? [a, b] : [b, a];
-    return (i * (2 * n - i - 1)) / 2 + (j - i - 1);
-  }
-
-  /** Every pair (i, j) with i < j, in the order of `confidences`. */
-  function allPairs(report) {
-    const n = report.scans.length;
-    const pairs = [];
-    for (let i = 0; i < n; i++) for (let j = i + 1; j < n; j++) pairs.push({ i, j });
-    pairs.forEach((pair, k) => (pair.confidence = report.confidences[k]));
-    return pairs;
-  }
 
   /** Points of a scan in the frame of its component, relative to the component's origin. */
   function decodePositions(scan, component) {
@@ -82,13 +69,13 @@
     return x > 0 && x < smallest ? `< ${smallest.toFixed(digits)}` : x.toFixed(digits).replace("-", minus);
   }
 
-  const confidenceText = (confidence) => decimals(confidence, 3);
+  const confidenceText = (confidence) => (confidence === null ? "not scored" : decimals(confidence, 3));
   const weightText = (weight) => decimals(weight, 4);
-  const percent = (share) => `${decimals(100 * share, 0)}${thinSpace}%`;
+  const percent = (fraction) => `${decimals(100 * fraction, 0)}${thinSpace}%`;
   const pairName = ({ i, j }) => `${i}${thinSpace}${dash}${thinSpace}${j}`;
 
-  /** What is known of an edge, as rows of term and value. */
-  function evidence(edge) {
+  /** Support and diagnostics of an edge, as rows of term and value. */
+  function edgeFacts(edge) {
     return [
       ["confidence", confidenceText(edge.confidence)],
       ["inlier ratio", percent(edge.inlier_ratio)],
@@ -96,15 +83,15 @@
       ["clique size", count(edge.clique_size)],
       ["cliques seen", count(edge.cliques_seen) + (edge.budget_exhausted ? " (budget exhausted)" : "")],
       ["weight", `${weightText(edge.initial_weight)} → ${weightText(edge.final_weight)}`],
-      ["kept", percent(edge.share) + (edge.isKept ? "" : " (dropped)")],
+      ["kept", percent(edge.keptFraction) + (edge.isKept ? "" : " (dropped)")],
       ["rotation residual", residual(edge, edge.rotation_residual, (angle) => `${decimals(angle, 2)}°`)],
       ["translation residual", residual(edge, edge.translation_residual, figure)],
     ];
   }
 
-  /** How far the result is off the motion of an edge. */
+  /** By how much the result differs from the relative pose of an edge. */
   function residual(edge, value, format) {
-    if (value === null) return `${dash} (joins two components)`;
+    if (value === null) return `${dash} (connects two components)`;
     return edge.isBridge ? `${dash} (nothing to compare with)` : format(value);
   }
 
@@ -119,9 +106,9 @@
   }
 
   const byId = (id) => document.getElementById(id);
-  const swatch = (colour) => {
+  const swatch = (color) => {
     const node = element("span", { className: "swatch", ariaHidden: "true" });
-    node.style.background = colour;
+    node.style.background = color;
     return node;
   };
   const definitions = (rows) =>
@@ -145,39 +132,39 @@
 
   const hideTooltip = () => (byId("tooltip").hidden = true);
 
-  // ----------------------------------------------------------------------------------------- colours
+  // ----------------------------------------------------------------------------------------- colors
 
   const schemes = {
     viridis: Plot.scale({ color: { type: "linear", scheme: "viridis", domain: [0, 1] } }).apply,
     gnbu: Plot.scale({ color: { type: "linear", scheme: "gnbu", domain: [0, 1] } }).apply,
-    greys: Plot.scale({ color: { type: "linear", scheme: "greys", domain: [0, 1] } }).apply,
+    grays: Plot.scale({ color: { type: "linear", scheme: "greys", domain: [0, 1] } }).apply,
   };
 
-  const bridgeColour = "#d9480f";
-  const droppedColour = "#e3bfa6";
-  const pairColour = "#59636e";
+  const bridgeColor = "#d9480f";
+  const droppedColor = "#e3bfa6";
+  const pairColor = "#59636e";
 
-  /** Colour of a kept edge by its share, and of an edge by what became of it. */
-  const shareColour = (share) => schemes.gnbu(0.35 + 0.65 * share);
-  const edgeColour = (edge) => (edge.isBridge ? bridgeColour : edge.isKept ? shareColour(edge.share) : droppedColour);
-  const scanColour = (scan) => `rgb(${scan.color.join(",")})`;
+  /** Color of a kept edge by the fraction of its weight that it kept, and of any edge by what became of it. */
+  const keptColor = (fraction) => schemes.gnbu(0.35 + 0.65 * fraction);
+  const edgeColor = (edge) => (edge.isBridge ? bridgeColor : edge.isKept ? keptColor(edge.keptFraction) : droppedColor);
+  const scanColor = (scan) => `rgb(${scan.color.join(",")})`;
 
   function rampLegend(options) {
     return Plot.legend({ color: options, width: 210, height: 46, marginTop: 17, ticks: 4, style: { background: "none" } });
   }
 
-  const shareLegend = () =>
-    rampLegend({ type: "linear", domain: [smallestKeptShare, 1], interpolate: (t) => shareColour(smallestKeptShare + (1 - smallestKeptShare) * t), label: "Share of its weight that an edge kept", tickFormat: "%" });
+  const keptLegend = () =>
+    rampLegend({ type: "linear", domain: [smallestKeptFraction, 1], interpolate: (t) => keptColor(smallestKeptFraction + (1 - smallestKeptFraction) * t), label: "Fraction of its weight that an edge kept", tickFormat: "%" });
 
   /** The confidences: most are small, so that their square roots are told apart. */
-  const confidenceScale = (report) => ({ type: "sqrt", domain: [0, report.largestConfidence || 1], interpolate: schemes.greys, label: "Confidence" });
+  const confidenceScale = (report) => ({ type: "sqrt", domain: [0, report.largestConfidence || 1], interpolate: schemes.grays, label: "Confidence" });
 
   const plotWidth = 560;
   const plotStyle = { className: "plot", width: plotWidth, style: { fontSize: "11.5px", background: "none" } };
 
   // --------------------------------------------------------------------------------------- selection
 
-  /** What the user has picked: nothing, or some scans, perhaps with an edge: between the two, or that holds them. */
+  /** What the user has picked: nothing, or some scans, perhaps with an edge: between the two, or their bridge to the rest. */
   class Selection {
     scans = [];
     edge = null;
@@ -213,23 +200,23 @@
 
   const pointVertexShader = `
     uniform float pointSize, heightLow, heightSpan, byHeight, dimmed;
-    uniform vec3 scanColour;
+    uniform vec3 scanColor;
     uniform sampler2D ramp;
-    varying vec3 colour;
+    varying vec3 pointColor;
     void main() {
       float height = clamp((position.z - heightLow) / heightSpan, 0.0, 1.0);
-      colour = byHeight > 0.5 ? texture2D(ramp, vec2(height, 0.5)).rgb : scanColour;
-      colour = mix(colour, vec3(0.88), dimmed);
+      pointColor = byHeight > 0.5 ? texture2D(ramp, vec2(height, 0.5)).rgb : scanColor;
+      pointColor = mix(pointColor, vec3(0.88), dimmed);
       gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
       gl_PointSize = pointSize;
     }`;
 
   const pointFragmentShader = `
     uniform float pointSize;
-    varying vec3 colour;
+    varying vec3 pointColor;
     void main() {
       if (pointSize > 2.5 && length(gl_PointCoord - 0.5) > 0.5) discard;
-      gl_FragColor = vec4(colour, 1.0);
+      gl_FragColor = vec4(pointColor, 1.0);
     }`;
 
   const screenVertexShader = `
@@ -239,9 +226,9 @@
       gl_Position = vec4(position.xy, 0.0, 1.0);
     }`;
 
-  // Eye-dome lighting (Boucheny 2009): a pixel darkens by how much its neighbours are nearer to the eye.
+  // Eye-dome lighting (Boucheny 2009): a pixel darkens by how much its neighbors are nearer to the eye.
   const screenFragmentShader = `
-    uniform sampler2D colours, depths;
+    uniform sampler2D colors, depths;
     uniform vec2 pixel;
     uniform float near, far;
     varying vec2 at;
@@ -249,7 +236,7 @@
       return log2(near * far / (far - texture2D(depths, where).r * (far - near)));
     }
     void main() {
-      vec4 colour = texture2D(colours, at);
+      vec4 color = texture2D(colors, at);
       float shade = 1.0;
       if (texture2D(depths, at).r < 1.0) {
         float here = logDepth(at);
@@ -260,7 +247,7 @@
         nearer += max(0.0, here - logDepth(at + pixel * vec2(0.0, -1.0)));
         shade = 0.45 + 0.55 * exp(-8.0 * nearer);
       }
-      gl_FragColor = vec4(colour.rgb * shade, 1.0);
+      gl_FragColor = vec4(color.rgb * shade, 1.0);
     }`;
 
   /** Whether this browser can draw in 3-D, asked without making noise on the console. */
@@ -280,7 +267,7 @@
     #overlay = new THREE.Scene();
     #component = null;
     #highlighted = new Set();
-    #colouring = "scan";
+    #coloring = "scan";
     #explosion = 0;
     #overlayShown = { edges: false, frames: false };
     #radius = 1;
@@ -313,7 +300,7 @@
       return this.#component;
     }
 
-    /** World heights at the two ends of the colour ramp. */
+    /** World heights at the two ends of the color ramp. */
     get heightRange() {
       const origin = this.#component === null ? 0 : this.#report.components[this.#component].origin[2];
       const { heightLow, heightSpan } = this.#shared;
@@ -343,8 +330,8 @@
       this.#refresh();
     }
 
-    setColouring(colouring) {
-      this.#colouring = colouring;
+    setColoring(coloring) {
+      this.#coloring = coloring;
       this.#refresh();
     }
 
@@ -418,7 +405,7 @@
       return this.#scans.filter((scan) => scan.component === this.#component);
     }
 
-    /** Brings visibility, colours, offsets and overlays in line with the state. */
+    /** Brings visibility, colors, offsets and overlays in line with the state. */
     #refresh() {
       const shown = this.#scansShown();
       const isFocused = shown.some((scan) => this.#highlighted.has(scan.index));
@@ -434,7 +421,7 @@
         points.renderOrder = scan.isDimmed ? -1 : 0;
         points.position.copy(scan.centroid).sub(centroid).multiplyScalar(this.#explosion);
       }
-      this.#shared.byHeight.value = this.#colouring === "height" ? 1 : 0;
+      this.#shared.byHeight.value = this.#coloring === "height" ? 1 : 0;
       this.#refreshOverlay(shown.filter((scan) => scan.points.visible && !scan.isDimmed));
       this.#schedule();
     }
@@ -449,9 +436,9 @@
       if (this.#overlayShown.frames) this.#addLines(frameLines(scans, 0.06 * this.#radius), 2);
     }
 
-    #addLines({ positions, colours }, linewidth) {
+    #addLines({ positions, colors }, linewidth) {
       if (positions.length === 0) return;
-      const geometry = new THREE.LineSegmentsGeometry().setPositions(positions).setColors(colours);
+      const geometry = new THREE.LineSegmentsGeometry().setPositions(positions).setColors(colors);
       const material = new THREE.LineMaterial({ linewidth, vertexColors: true, depthTest: false });
       this.#overlay.add(new THREE.LineSegments2(geometry, material));
     }
@@ -541,7 +528,7 @@
   /** The rectangle that brings the drawn points to the screen, with shading. */
   function createScreen(target) {
     const uniforms = {
-      colours: { value: target.texture },
+      colors: { value: target.texture },
       depths: { value: target.depthTexture },
       pixel: { value: new THREE.Vector3() },
       near: { value: 1 },
@@ -575,10 +562,10 @@
     };
   }
 
-  /** The three bytes of a colour written as #rrggbb or rgb(r, g, b). */
-  function rgb(colour) {
-    const hex = colour.match(/^#(..)(..)(..)$/);
-    return hex ? hex.slice(1).map((byte) => parseInt(byte, 16)) : colour.match(/\d+/g).map(Number);
+  /** The three bytes of a color written as #rrggbb or rgb(r, g, b). */
+  function rgb(color) {
+    const hex = color.match(/^#(..)(..)(..)$/);
+    return hex ? hex.slice(1).map((byte) => parseInt(byte, 16)) : color.match(/\d+/g).map(Number);
   }
 
   /** A scan as the view keeps it. */
@@ -588,7 +575,7 @@
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
     const material = new THREE.ShaderMaterial({
-      uniforms: { ...shared, scanColour: { value: new THREE.Vector3(...scan.color.map((byte) => byte / 255)) }, dimmed: { value: 0 } },
+      uniforms: { ...shared, scanColor: { value: new THREE.Vector3(...scan.color.map((byte) => byte / 255)) }, dimmed: { value: 0 } },
       vertexShader: pointVertexShader,
       fragmentShader: pointFragmentShader,
     });
@@ -658,28 +645,28 @@
     return { axes: [column(0), column(1), column(2)], position: column(3).sub(new THREE.Vector3(...origin)) };
   }
 
-  /** Segments between the centroids of scans that an edge joins. */
+  /** Segments between the centroids of scans that an edge connects. */
   function edgeLines(edges, scans) {
-    const centres = new Map(scans.filter((scan) => scan.count > 0).map((scan) => [scan.index, scan.centroid.clone().add(scan.points.position)]));
-    const joined = edges.filter(({ i, j }) => centres.has(i) && centres.has(j));
+    const centers = new Map(scans.filter((scan) => scan.count > 0).map((scan) => [scan.index, scan.centroid.clone().add(scan.points.position)]));
+    const connected = edges.filter(({ i, j }) => centers.has(i) && centers.has(j));
     return {
-      positions: joined.flatMap(({ i, j }) => [...centres.get(i), ...centres.get(j)]),
-      colours: joined.flatMap((edge) => {
-        const colour = rgb(edgeColour(edge)).map((byte) => byte / 255);
-        return [...colour, ...colour];
+      positions: connected.flatMap(({ i, j }) => [...centers.get(i), ...centers.get(j)]),
+      colors: connected.flatMap((edge) => {
+        const color = rgb(edgeColor(edge)).map((byte) => byte / 255);
+        return [...color, ...color];
       }),
     };
   }
 
   /** The sensor frame of every scan: x red, y green, z blue. */
   function frameLines(scans, length) {
-    const axisColours = [[0.85, 0.1, 0.1], [0.1, 0.6, 0.1], [0.1, 0.25, 0.9]];
+    const axisColors = [[0.85, 0.1, 0.1], [0.1, 0.6, 0.1], [0.1, 0.25, 0.9]];
     const positions = scans.flatMap(({ pose, points }) => {
       const start = pose.position.clone().add(points.position);
       return pose.axes.flatMap((axis) => [...start, ...start.clone().addScaledVector(axis, length)]);
     });
-    const colours = scans.flatMap(() => axisColours.flatMap((colour) => [...colour, ...colour]));
-    return { positions, colours };
+    const colors = scans.flatMap(() => axisColors.flatMap((color) => [...color, ...color]));
+    return { positions, colors };
   }
 
   // ------------------------------------------------------------------------ the controls of the view
@@ -721,16 +708,16 @@
   /** Fills the toolbar; returns what keeps it in line with the component that is shown. */
   function renderControls(report, view, showComponent) {
     const legend = byId("view-legend");
-    let colouring = "scan";
+    let coloring = "scan";
     const showLegend = () => {
-      legend.hidden = colouring !== "height";
+      legend.hidden = coloring !== "height";
       legend.replaceChildren(rampLegend({ type: "linear", domain: view.heightRange, interpolate: schemes.viridis, label: "Height (z), unit of the scans" }));
     };
-    const colour = choice([["scan", "scan"], ["height", "height"]].map(option), (value) => {
-      colouring = value;
-      view.setColouring(value);
+    const color = choice([["scan", "scan"], ["height", "height"]].map(option), (value) => {
+      coloring = value;
+      view.setColoring(value);
       showLegend();
-    }, { control: "colouring" });
+    }, { control: "coloring" });
     const size = slider({ min: 1, max: 8, step: 0.5, value: 2, data: { control: "size" } }, (value) => view.setPointSize(value));
     const explode = slider({ min: 0, max: 5, step: 0.05, value: 0, data: { control: "explode" } }, (value) => view.setExplosion(value));
     const edges = checkbox((shown) => view.setOverlay("edges", shown), { control: "edges" });
@@ -740,7 +727,7 @@
     reset.addEventListener("click", () => view.resetCamera());
 
     const controls = [
-      labelled("Colour by", colour),
+      labelled("Color by", color),
       labelled("Points", size),
       labelled("Explode", explode),
       labelled("Edges", edges, false),
@@ -756,18 +743,18 @@
     };
   }
 
-  // ------------------------------------------------------------------------------- header, attention
+  // ------------------------------------------------------------------------------- header, warnings
 
   function renderHeader(report) {
     document.title = `${report.title} ${dash} registration report`;
     byId("title").textContent = report.title;
     byId("summary").textContent = summary(report);
-    const warning = warnings(report);
-    if (warning !== "") byId("summary").append("; ", element("strong", { textContent: warning }));
-    const voxel = report.voxel === null ? [] : [`voxel ${figure(report.voxel)} in the unit of the scans (${report.voxel_is_estimated ? "estimated" : "given"})`];
+    const doubts = doubtsOf(report);
+    if (doubts !== "") byId("summary").append("; ", element("strong", { textContent: doubts }));
+    const voxelSize = `voxel size ${figure(report.voxel_size)} in the unit of the scans (${report.voxel_is_estimated ? "estimated" : "given"})`;
     const total = report.stages.reduce((sum, stage) => sum + stage.seconds, 0);
     const edges = plural(report.edges.length, "edge") + (report.dropped.length > 0 ? ` (${count(report.dropped.length)} dropped)` : "");
-    byId("provenance").textContent = [report.version, report.features, ...voxel, edges, seconds(total)].join(", ");
+    byId("provenance").textContent = [report.version, report.features, voxelSize, edges, seconds(total)].join(", ");
   }
 
   /** How many scans share a frame, and what became of the others. */
@@ -782,33 +769,33 @@
   }
 
   /** What makes the result doubtful, or nothing. */
-  function warnings(report) {
-    const parts = (kind, ending) => {
-      const n = report.attention.filter((notice) => notice.kind === kind).length;
-      return n === 0 ? [] : [`${plural(n, "part")} ${n === 1 ? "hangs" : "hang"} on ${ending}`];
+  function doubtsOf(report) {
+    const groups = (kind, ending) => {
+      const n = report.warnings.filter((warning) => warning.kind === kind).length;
+      return n === 0 ? [] : [`${plural(n, "group")} connected by ${ending}`];
     };
-    return list([...parts("loose", "dropped edges alone"), ...parts("bridge", "a single edge")]);
+    return list([...groups("loose", "dropped edges only"), ...groups("bridge", "a bridge only")]);
   }
 
   const entriesShown = 5;
 
-  function renderAttention(report, selection) {
-    const section = byId("attention");
-    if (report.attention.length === 0) {
-      section.append(note("Nothing stands out."));
+  function renderWarnings(report, selection) {
+    const section = byId("warnings");
+    if (report.warnings.length === 0) {
+      section.append(note("There are none."));
       return;
     }
-    section.querySelector("h2").append(` (${report.attention.length})`);
-    const items = report.attention.map((notice, k) => {
-      const edge = notice.edge === null ? null : report.edgeBetween(...notice.edge);
-      const button = element("button", { type: "button", textContent: notice.text, ariaPressed: "false", data: { kind: notice.kind } });
-      button.addEventListener("click", () => selection.select(notice.scans, edge));
-      selection.onChange(() => (button.ariaPressed = String(edge === selection.edge && notice.scans.join() === selection.scans.join())));
+    section.querySelector("h2").append(` (${report.warnings.length})`);
+    const items = report.warnings.map((warning, k) => {
+      const edge = warning.edge === null ? null : report.edgeBetween(...warning.edge);
+      const button = element("button", { type: "button", textContent: warning.text, ariaPressed: "false", data: { kind: warning.kind } });
+      button.addEventListener("click", () => selection.select(warning.scans, edge));
+      selection.onChange(() => (button.ariaPressed = String(edge === selection.edge && warning.scans.join() === selection.scans.join())));
       return element("li", { hidden: k >= entriesShown }, button);
     });
     section.append(element("ul", {}, ...items));
     if (items.length > entriesShown) section.append(showAllButton(items));
-    const contradictions = report.attention.filter(({ kind }) => kind === "contradiction").length;
+    const contradictions = report.warnings.filter(({ kind }) => kind === "contradiction").length;
     if (report.dropped.length > contradictions) {
       section.append(note(`The table of edges lists all ${plural(report.dropped.length, "dropped edge")}.`));
     }
@@ -825,7 +812,7 @@
 
   // ------------------------------------------------------------------------------------ list of scans
 
-  /** The list of scans with a checkbox each; returns what greys the scans outside the shown component. */
+  /** The list of scans with a checkbox each; returns what grays out the scans outside the shown component. */
   function renderScans(report, view, selection) {
     const rows = report.scans.map((scan, index) => scanRow(report, index, view, selection));
     const frame = element("div", { className: "scan-list" });
@@ -867,9 +854,9 @@
     const row = element("div", { className: "scan" },
       visible,
       element("span", { className: "index", textContent: index }),
-      swatch(scanColour(scan)),
+      swatch(scanColor(scan)),
       name,
-      ...(scan.attention ? [element("span", { className: "attention-mark", textContent: "!", title: "Deserves a look" })] : []),
+      ...(scan.has_warning ? [element("span", { className: "warning-mark", textContent: "!", title: "See the warnings" })] : []),
       element("span", { className: "count", textContent: count(scan.points), title: `${plural(scan.points, "point")}, ${count(scan.count)} of them drawn` }));
     if (view !== null) {
       row.addEventListener("mouseenter", preview);
@@ -931,22 +918,22 @@
       const names = list(scans.map((scan) => scan.name));
       return element("h3", { className: "group", textContent: `${plural(scans.length, "scan")}: ${names}`, title: names });
     }
-    return element("h3", {}, ...scans.flatMap((scan, k) => [...(k > 0 ? [` ${dash} `] : []), swatch(scanColour(scan)), scan.name]));
+    return element("h3", {}, ...scans.flatMap((scan, k) => [...(k > 0 ? [` ${dash} `] : []), swatch(scanColor(scan)), scan.name]));
   }
 
   function selectionRows(report, { scans, edge }) {
-    const joins = edge !== null && scans.length === 2 && scans.includes(edge.i) && scans.includes(edge.j);
-    if (joins) return [["edge", pairName(edge)], ...evidence(edge)];
-    const holding = edge === null ? [] : [["only edge to the rest", pairName(edge)], ...evidence(edge)];
-    if (scans.length === 1) return [...scanFacts(report, scans[0]), ...holding];
-    if (scans.length > 2 || edge !== null) return [...groupFacts(report, scans), ...holding];
+    const isBetween = edge !== null && scans.length === 2 && scans.includes(edge.i) && scans.includes(edge.j);
+    if (isBetween) return [["edge", pairName(edge)], ...edgeFacts(edge)];
+    const bridge = edge === null ? [] : [["bridge to the rest", pairName(edge)], ...edgeFacts(edge)];
+    if (scans.length === 1) return [...scanFacts(report, scans[0]), ...bridge];
+    if (scans.length > 2 || edge !== null) return [...groupFacts(report, scans), ...bridge];
     const [i, j] = scans;
-    return [["pair", pairName({ i, j })], ["confidence", confidenceText(report.confidenceBetween(i, j))], ["", "no edge joins them"]];
+    return [["pair", pairName({ i, j })], ["confidence", confidenceText(report.confidenceBetween(i, j))], ["", "no edge connects them"]];
   }
 
-  /** What is to be said of the scans themselves: why one is not registered, or that some do not compare. */
+  /** Why a scan is not registered, or that poses of the scans do not compare. */
   function selectionNotes(report, scans) {
-    const reasons = report.attention.filter((notice) => notice.kind === "alone" && scans.join() === notice.scans.join());
+    const reasons = report.warnings.filter((warning) => warning.kind === "unregistered" && scans.join() === warning.scans.join());
     const isSplit = new Set(scans.map((scan) => report.scans[scan].component)).size > 1;
     const split = isSplit ? ["They are in different components, whose poses do not compare: only one is shown."] : [];
     return [...reasons.map(({ text }) => text), ...split];
@@ -964,9 +951,9 @@
 
   function scanFacts(report, index) {
     const scan = report.scans[index];
-    const isAlone = report.components[scan.component].scans.length === 1;
+    const isUnregistered = report.components[scan.component].scans.length === 1;
     const ofScan = ({ i, j }) => i === index || j === index;
-    const component = report.components.length === 1 ? [] : [["component", isAlone ? "none: not registered" : scan.component]];
+    const component = report.components.length === 1 ? [] : [["component", isUnregistered ? "none: not registered" : scan.component]];
     return [
       ["scan", index],
       ...component,
@@ -977,7 +964,7 @@
 
   // -------------------------------------------------------------------------------------- pose graph
 
-  const pairsInGraph = { smallestShare: 0.02, most: 1500 };
+  const pairsInGraph = { smallestRatio: 0.02, most: 1500 };
 
   /** Places of the scans on a circle, by component and index, with a gap between components. */
   function circleLayout(report) {
@@ -998,7 +985,7 @@
     return places;
   }
 
-  /** One line per pair between its two scans, bent towards the centre so that neighbours stay apart. */
+  /** One line per pair between its two scans, bent towards the center so that neighbors stay apart. */
   function arcs(places, pairs, style) {
     const bend = 0.78;
     const samples = pairs.flatMap((pair, z) => {
@@ -1009,10 +996,10 @@
     return Plot.line(samples, { x: "x", y: "y", z: "z", curve: "basis", strokeWidth: 1, ...style });
   }
 
-  /** The pairs without an edge worth a grey line: confident ones, the strongest if there are too many. */
+  /** The scored pairs without an edge that get a gray line: confident ones, the most confident if there are too many. */
   function confidentPairs(report) {
-    const threshold = pairsInGraph.smallestShare * report.largestConfidence;
-    const pairs = allPairs(report).filter(({ i, j, confidence }) => confidence > 0 && confidence >= threshold && report.edgeBetween(i, j) === null);
+    const threshold = pairsInGraph.smallestRatio * report.largestConfidence;
+    const pairs = report.scoredPairs.filter(({ i, j, confidence }) => confidence > 0 && confidence >= threshold && report.edgeBetween(i, j) === null);
     return pairs.sort((a, b) => b.confidence - a.confidence).slice(0, pairsInGraph.most).reverse();
   }
 
@@ -1021,13 +1008,13 @@
     if (report.scans.length < 2) return void section.append(note("A pose graph needs two scans."));
     const places = circleLayout(report);
     const pairs = confidentPairs(report);
-    const kept = [...report.kept].sort((a, b) => a.isBridge - b.isBridge || a.share - b.share);
+    const kept = [...report.kept].sort((a, b) => a.isBridge - b.isBridge || a.keptFraction - b.keptFraction);
     const indices = report.scans.map((_, index) => index);
     const numbered = indices.filter((index) => index % Math.ceil(report.scans.length / 90) === 0);
     const hit = { stroke: "transparent", strokeWidth: 7 };
     const svg = Plot.plot({
       ...plotStyle,
-      ariaLabel: "Scans on a circle, joined by the edges of the pose graph",
+      ariaLabel: "Scans on a circle, connected by the edges of the pose graph",
       height: 560,
       margin: 4,
       axis: null,
@@ -1036,14 +1023,14 @@
       marks: [
         arcs(places, pairs, {
           className: "pairs",
-          stroke: pairColour,
+          stroke: pairColor,
           strokeOpacity: ({ pair }) => 0.75 * Math.sqrt(pair.confidence / report.largestConfidence),
         }),
-        arcs(places, report.unresolved, { className: "unresolved", stroke: pairColour, strokeDasharray: "3,4" }),
-        arcs(places, report.dropped, { className: "dropped", stroke: droppedColour }),
+        arcs(places, report.unresolved, { className: "unresolved", stroke: pairColor, strokeDasharray: "3,4" }),
+        arcs(places, report.dropped, { className: "dropped", stroke: droppedColor }),
         arcs(places, kept, {
           className: "kept",
-          stroke: ({ pair }) => edgeColour(pair),
+          stroke: ({ pair }) => edgeColor(pair),
           strokeWidth: ({ pair }) => (pair.isBridge ? 3 : 1.8),
         }),
         arcs(places, pairs, { className: "hit-pairs", ...hit, strokeWidth: 4 }),
@@ -1054,9 +1041,9 @@
           x: (index) => places[index].x,
           y: (index) => places[index].y,
           r: Math.max(2, Math.min(5.5, 240 / report.scans.length)),
-          fill: (index) => scanColour(report.scans[index]),
-          stroke: (index) => (report.scans[index].attention ? bridgeColour : "#fff"),
-          strokeWidth: (index) => (report.scans[index].attention ? 2.4 : 1),
+          fill: (index) => scanColor(report.scans[index]),
+          stroke: (index) => (report.scans[index].has_warning ? bridgeColor : "#fff"),
+          strokeWidth: (index) => (report.scans[index].has_warning ? 2.4 : 1),
         }),
         Plot.text(numbered, { x: (index) => 1.06 * places[index].x, y: (index) => 1.06 * places[index].y, text: String, fontSize: 10, fill: "#626a73" }),
       ],
@@ -1069,28 +1056,29 @@
     section.append(graphLegends(report, svg, pairs.length), element("figure", { className: "plot" }, svg), note(graphCaption(report)));
   }
 
-  /** The colours of the graph; those that may hide others come with a box to switch them off. */
+  /** The colors of the graph; those that may hide others come with a box to switch them off. */
   function graphLegends(report, svg, numPairs) {
     const legends = element("div", { className: "legends" });
-    if (report.edges.length > 0) legends.append(shareLegend());
-    if (report.edges.some((edge) => edge.isBridge)) legends.append(element("span", { className: "key" }, swatch(bridgeColour), "alone holds a part"));
+    if (report.edges.length > 0) legends.append(keptLegend());
+    if (report.edges.some((edge) => edge.isBridge)) legends.append(element("span", { className: "key" }, swatch(bridgeColor), "bridge"));
     const switchable = [
-      ["dropped", droppedColour, `${count(report.dropped.length)} dropped`, report.dropped.length],
-      ["pairs", pairColour, "confidence of other pairs", numPairs],
+      ["dropped", droppedColor, `${count(report.dropped.length)} dropped`, report.dropped.length],
+      ["pairs", pairColor, "confidence of other pairs", numPairs],
     ];
-    for (const [name, colour, text, n] of switchable.filter((entry) => entry[3] > 0)) {
+    for (const [name, color, text, n] of switchable.filter((entry) => entry[3] > 0)) {
       const box = checkbox((shown) => svg.classList.toggle(`without-${name}`, !shown), { graph: name }, true);
-      legends.append(element("label", { className: "key" }, box, swatch(colour), text));
+      legends.append(element("label", { className: "key" }, box, swatch(color), text));
     }
     return legends;
   }
 
   function graphCaption(report) {
     return [
+      report.edges.some((edge) => edge.isBridge) ? "A bridge is the only edge between two groups of scans: nothing confirms it." : "",
       report.dropped.length > 0 ? "An edge is dropped if it kept less than a tenth of its weight: the result contradicts it." : "",
-      report.unresolved.length > 0 ? `Dashed: ${plural(report.unresolved.length, "selected pair")} for which no motion was found.` : "",
-      report.scans.some((scan) => scan.attention) ? "Ringed: scans that deserve a look." : "",
-      "Hover a line for its evidence, click it to see its two scans.",
+      report.unresolved.length > 0 ? `Dashed: ${plural(report.unresolved.length, "selected pair")} without a relative pose.` : "",
+      report.scans.some((scan) => scan.has_warning) ? "Ringed: scans with a warning." : "",
+      "Hover over a line for its support, click it to see its two scans.",
     ].filter(Boolean).join(" ");
   }
 
@@ -1106,14 +1094,14 @@
     edges.forEach((edge, k) => {
       lines[k].classList.add("edge");
       lines[k].dataset.edge = edge.index;
-      bindPointer(hits[k], lines[k], () => ({ title: edgeTitle(report, edge), rows: evidence(edge) }), () => selection.selectEdge(edge));
+      bindPointer(hits[k], lines[k], () => ({ title: edgeTitle(report, edge), rows: edgeFacts(edge) }), () => selection.selectEdge(edge));
     });
     selection.onChange(() => edges.forEach((edge, k) => lines[k].classList.toggle("selected", selection.includes(edge))));
   }
 
   const edgeTitle = (report, edge) => `${pairName(edge)}: ${report.scans[edge.i].name} ${dash} ${report.scans[edge.j].name}`;
 
-  /** Tooltip and click on `target`, with `mark` emphasised while the pointer is over it. */
+  /** Tooltip and click on `target`, with `mark` emphasized while the pointer is over it. */
   function bindPointer(target, mark, describe, onClick) {
     target.addEventListener("mousemove", (event) => {
       mark.classList.add("hovered");
@@ -1138,11 +1126,11 @@
 
   // ------------------------------------------------------------------------------- confidence matrix
 
-  /** Confidences above the diagonal of an n x n matrix, row by row; the rest is empty. */
+  /** Confidences of the scored pairs above the diagonal of an n x n matrix, row by row; the rest is empty. */
   function upperTriangle(report) {
     const n = report.scans.length;
     const values = new Array(n * n).fill(NaN);
-    for (const { i, j, confidence } of allPairs(report)) values[i * n + j] = confidence;
+    for (const { i, j, confidence } of report.scoredPairs) values[i * n + j] = confidence;
     return values;
   }
 
@@ -1155,7 +1143,7 @@
     const axis = { domain: [0, n], ticks: ticks.map((t) => t + 0.5), tickFormat: (t) => String(Math.floor(t)), tickSize: 3, label: null };
     const svg = Plot.plot({
       ...plotStyle,
-      ariaLabel: "Confidence of every pair of scans, and the edges",
+      ariaLabel: "Confidence of the scored pairs of scans, and the edges",
       height: 542,
       margin: 4,
       marginTop: 20,
@@ -1172,7 +1160,7 @@
           x2: ({ i }) => i + 1,
           y1: ({ j }) => j,
           y2: ({ j }) => j + 1,
-          fill: report.edges.map(edgeColour),
+          fill: report.edges.map(edgeColor),
           pointerEvents: "none",
         }),
         Plot.line([[0, 0], [n, n]], { stroke: "#c8ced4" }),
@@ -1181,7 +1169,14 @@
     bindMatrix(report, svg, selection);
     const legends = element("div", { className: "legends" }, rampLegend(confidenceScale(report)));
     section.append(legends, element("figure", { className: "plot" }, svg),
-      note("Rows and columns are the scans by index. Above the diagonal: confidence. Below: the pairs selected as edges, in their colours of the graph."));
+      note(matrixCaption(report)));
+  }
+
+  function matrixCaption(report) {
+    const [n, scored] = [report.scans.length, report.scoredPairs.length];
+    const numPairs = (n * (n - 1)) / 2;
+    const unscored = scored === numPairs ? [] : [`${count(scored)} of ${plural(numPairs, "pair")} were scored, the others are empty.`];
+    return ["Rows and columns are the scans by index. Above the diagonal: confidence.", ...unscored, "Below: the edges, in their colors of the graph."].join(" ");
   }
 
   /** The pair under the pointer, or `null` on the diagonal and outside. */
@@ -1204,7 +1199,7 @@
       const pair = pairAt(report, svg, event);
       if (pair === null) return hideTooltip();
       const edge = report.edgeBetween(pair.i, pair.j);
-      const rows = edge === null ? [["confidence", confidenceText(report.confidenceBetween(pair.i, pair.j))], ["edge", "no"]] : evidence(edge);
+      const rows = edge === null ? [["confidence", confidenceText(report.confidenceBetween(pair.i, pair.j))], ["edge", "no"]] : edgeFacts(edge);
       showTooltip(event, { title: edgeTitle(report, pair), rows });
     });
     svg.addEventListener("mouseleave", hideTooltip);
@@ -1221,10 +1216,10 @@
     const section = byId("weights");
     const iterations = largest(report.edges.map((edge) => edge.weights.length)) - 1;
     if (report.edges.length === 0) return void section.append(note("There are no edges."));
-    if (iterations < 1) return void section.append(note("Nothing was reweighted: every edge keeps its initial weight."));
+    if (iterations < 1) return void section.append(note("No edge was reweighted: every edge keeps its initial weight."));
     const edges = [...report.dropped, ...report.kept];
-    const samples = edges.flatMap((edge) => edge.weights.map((weight, iteration) => ({ edge, share: shareOf(weight, edge), iteration })));
-    const line = { x: "iteration", y: "share", z: (sample) => sample.edge.index };
+    const samples = edges.flatMap((edge) => edge.weights.map((weight, iteration) => ({ edge, fraction: fractionOf(weight, edge), iteration })));
+    const line = { x: "iteration", y: "fraction", z: (sample) => sample.edge.index };
     const svg = Plot.plot({
       ...plotStyle,
       ariaLabel: "Weight of every edge after each iteration, relative to its initial weight",
@@ -1233,14 +1228,14 @@
       marginRight: 12,
       marginBottom: 36,
       x: { label: "Iteration", ticks: Math.min(iterations, 12), tickFormat: "d", domain: [0, iterations] },
-      y: { label: "Share of its initial weight", grid: true, domain: [0, 1], ticks: 5, tickFormat: "%" },
+      y: { label: "Fraction of its initial weight", grid: true, domain: [0, 1], ticks: 5, tickFormat: "%" },
       marks: [
         Plot.ruleY([0], { stroke: "#c8ced4" }),
-        Plot.ruleY([smallestKeptShare], { stroke: bridgeColour, strokeDasharray: "4,4" }),
+        Plot.ruleY([smallestKeptFraction], { stroke: bridgeColor, strokeDasharray: "4,4" }),
         Plot.line(samples, {
           ...line,
           className: "edges",
-          stroke: (sample) => edgeColour(sample.edge),
+          stroke: (sample) => edgeColor(sample.edge),
           strokeWidth: (sample) => (sample.edge.isKept ? 1.5 : 1),
         }),
         Plot.line(samples, { ...line, className: "hit", stroke: "transparent", strokeWidth: 8 }),
@@ -1257,12 +1252,12 @@
   const edgeColumns = [
     { title: "Edge", meaning: "Indices of the two scans", value: (edge) => edge.i * 1e6 + edge.j, cell: pairName },
     { title: "Confi\u00addence", meaning: "How alike the two scans are, from their features alone: 0 to 1", value: (edge) => edge.confidence, cell: (edge) => confidenceText(edge.confidence) },
-    { title: "Corr.", meaning: "Correspondences: pairs of points whose features match", value: (edge) => edge.correspondences, cell: (edge) => count(edge.correspondences) },
-    { title: "Agree", meaning: "Inlier ratio: the share of the correspondences that the motion of the edge explains", value: (edge) => edge.inlier_ratio, cell: (edge) => percent(edge.inlier_ratio) },
+    { title: "Corr.", meaning: "Correspondences: points of the two scans whose descriptors match", value: (edge) => edge.correspondences, cell: (edge) => count(edge.correspondences) },
+    { title: "Inliers", meaning: "Inlier ratio: the fraction of the retained correspondences that the relative pose of the edge explains", value: (edge) => edge.inlier_ratio, cell: (edge) => percent(edge.inlier_ratio) },
     { title: "Weight", meaning: "Final weight of the edge", value: (edge) => edge.final_weight, cell: (edge) => weightText(edge.final_weight) },
-    { title: "Kept", meaning: "Final weight, relative to the initial weight", value: (edge) => edge.share, cell: (edge) => percent(edge.share) },
-    { title: "Rot. °", meaning: "Rotation residual: by what angle the result is off the motion of the edge", value: (edge) => edge.rotation_residual, cell: (edge) => tableResidual(edge, edge.rotation_residual, 2) },
-    { title: "Transl.", meaning: "Translation residual: by what length the result is off the motion of the edge, in the unit of the scans", value: (edge) => edge.translation_residual, cell: (edge, digits) => tableResidual(edge, edge.translation_residual, digits) },
+    { title: "Kept", meaning: "Final weight, relative to the initial weight", value: (edge) => edge.keptFraction, cell: (edge) => percent(edge.keptFraction) },
+    { title: "Rot. °", meaning: "Rotation residual: the angle between the relative pose of the edge and that of the result", value: (edge) => edge.rotation_residual, cell: (edge) => tableResidual(edge, edge.rotation_residual, 2) },
+    { title: "Transl.", meaning: "Translation residual: the distance between the relative pose of the edge and that of the result, in the unit of the scans", value: (edge) => edge.translation_residual, cell: (edge, digits) => tableResidual(edge, edge.translation_residual, digits) },
   ];
 
   const tableResidual = (edge, value, digits) => (value === null || edge.isBridge ? dash : decimals(value, digits));
@@ -1292,13 +1287,13 @@
       rows.forEach((row, index) => row.classList.toggle("selected", report.edges[index] === selection.edge));
       if (selection.edge !== null) scrollWithin(frame, rows[selection.edge.index]);
     });
-    section.append(frame, note("First edges that alone hold a part, which nothing can contradict; then kept edges, the weakest first; then dropped ones. Headings explain themselves when hovered and sort when pressed."));
+    section.append(frame, note("First the bridges, which nothing can contradict. Then the kept edges, the weakest first. Then the dropped edges. A heading explains itself when hovered over, and sorts when pressed."));
   }
 
   function edgeRow(report, edge, digits, selection) {
     const [first, ...others] = edgeColumns.map(({ cell }) => element("td", { textContent: cell(edge, digits) }));
     const button = element("button", { type: "button", textContent: pairName(edge), title: edgeTitle(report, edge) });
-    first.replaceChildren(swatch(edgeColour(edge)), button);
+    first.replaceChildren(swatch(edgeColor(edge)), button);
     const row = element("tr", { data: { edge: edge.index } }, first, ...others);
     row.classList.toggle("dropped", !edge.isKept);
     row.addEventListener("click", () => selection.selectEdge(edge));
@@ -1373,7 +1368,7 @@
     const report = readReport();
     const selection = new Selection();
     renderHeader(report);
-    renderAttention(report, selection);
+    renderWarnings(report, selection);
     const view = createView(report);
     const followComponent = [renderScans(report, view, selection)];
     if (view !== null) connectView(report, view, selection, followComponent);

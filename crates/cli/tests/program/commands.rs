@@ -8,7 +8,7 @@ use gmpcr_io::{LogEntry, read_g2o, write_gt_log, write_poses_3x4, write_poses_tu
 use crate::common::{Run, Workplace, assert_close, pose, room};
 
 #[test]
-fn a_pair_has_a_motion_with_its_evidence() {
+fn a_pair_has_a_transformation_with_its_support() {
     let place = Workplace::with_scans();
     let [a, b] = ["scans/scan_0.ply", "scans/scan_1.ply"].map(|name| place.text(name));
     let json = Run::ending_with(0, &["pair", &a, &b, "--json"]).json();
@@ -18,6 +18,8 @@ fn a_pair_has_a_motion_with_its_evidence() {
         &room().world_from_scan[..2],
     );
     assert!(json["raw_confidence"].as_f64().unwrap() > 50.0);
+    assert!(json["inlier_ratio"].as_f64().unwrap() > 0.1);
+    assert!(json["clique_size"].as_u64().unwrap() >= 3);
     let text = Run::ending_with(0, &["pair", &a, &b]).stdout;
     assert!(
         text.contains("from the frame of scan_1.ply into that of scan_0.ply"),
@@ -26,11 +28,15 @@ fn a_pair_has_a_motion_with_its_evidence() {
 }
 
 #[test]
-fn scans_that_share_nothing_have_no_motion() {
+fn scans_without_overlap_have_no_transformation() {
     let place = Workplace::with_scans();
     let lone = place.write("lone.xyz", "0 0 1\n0.1 0 1\n0 0.1 1\n");
     let run = Run::ending_with(2, &["pair", &lone, &place.text("scans/scan_0.ply")]);
-    assert!(run.stdout.contains("no motion found"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("no transformation found"),
+        "{}",
+        run.stdout
+    );
 }
 
 #[test]
@@ -71,7 +77,7 @@ fn poses_of_a_graph_are_solved_by_every_method() {
 }
 
 #[test]
-fn edges_alone_are_enough_and_parts_are_told() {
+fn edges_are_enough_and_components_are_counted() {
     let place = Workplace::new();
     let edge = |i: usize, j: usize| {
         format!("EDGE_SE3:QUAT {i} {j} 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n")
@@ -88,7 +94,7 @@ fn edges_alone_are_enough_and_parts_are_told() {
 }
 
 #[test]
-fn scans_are_described_before_they_are_registered() {
+fn scans_are_inspected_before_they_are_registered() {
     let place = Workplace::with_scans();
     let json = Run::ending_with(0, &["info", &place.text("scans"), "--json"]).json();
     let scan = &json["scans"][0];
@@ -99,28 +105,28 @@ fn scans_are_described_before_they_are_registered() {
     assert!(
         overlaps
             .iter()
-            .any(|overlap| overlap["share"].as_f64().unwrap() > 0.3)
+            .any(|overlap| overlap["ratio"].as_f64().unwrap() > 0.3)
     );
     let text = Run::ending_with(0, &["info", &place.text("scans")]).stdout;
     assert!(
-        text.contains("scan_5.ply") && text.contains("working voxel"),
+        text.contains("scan_5.ply") && text.contains("voxel size"),
         "{text}"
     );
 }
 
 #[test]
-fn every_form_of_truth_is_understood() {
+fn every_form_of_ground_truth_is_understood() {
     let place = Workplace::with_scans();
     place.register(0, "scans", "out", &[]);
-    let truth = &room().world_from_scan;
-    let indexed: Vec<_> = truth.iter().copied().enumerate().collect();
+    let ground_truth = &room().world_from_scan;
+    let indexed: Vec<_> = ground_truth.iter().copied().enumerate().collect();
     write_poses_3x4(place.path("rows.txt"), &indexed).unwrap();
-    let stamped: Vec<_> = truth
+    let stamped: Vec<_> = ground_truth
         .iter()
         .enumerate()
         .map(|(k, &pose)| (k as f64, pose))
         .collect();
-    write_poses_tum(place.path("truth.tum"), &stamped).unwrap();
+    write_poses_tum(place.path("poses.tum"), &stamped).unwrap();
     let rows = fs::read_to_string(place.path("rows.txt")).unwrap();
     let kitti: Vec<_> = rows
         .lines()
@@ -130,8 +136,8 @@ fn every_form_of_truth_is_understood() {
     let entry = |i: usize, j: usize| LogEntry {
         i,
         j,
-        num_fragments: 6,
-        i_from_j: truth[i].inv_mul(&truth[j]),
+        num_scans: 6,
+        i_from_j: ground_truth[i].inv_mul(&ground_truth[j]),
     };
     write_gt_log(
         place.path("gt.log"),
@@ -140,7 +146,7 @@ fn every_form_of_truth_is_understood() {
     .unwrap();
 
     let result = place.text("out/result.json");
-    for file in ["rows.txt", "truth.tum", "kitti.txt"] {
+    for file in ["rows.txt", "poses.tum", "kitti.txt"] {
         let json = Run::ending_with(0, &["eval", &result, &place.text(file), "--json"]).json();
         for kind in ["relative", "absolute"] {
             let error = json["poses"][kind]["mean"]["rotation_degrees"]
@@ -150,7 +156,7 @@ fn every_form_of_truth_is_understood() {
         }
     }
     let json = Run::ending_with(0, &["eval", &result, &place.text("gt.log"), "--json"]).json();
-    assert_eq!(json["gt"]["share_within"], 1.0);
+    assert_eq!(json["gt"]["ratio_within"], 1.0);
     let text = Run::ending_with(0, &["eval", &result, &place.text("gt.log"), "-v"]).stdout;
     assert!(text.contains("0 – 3"), "{text}");
 }
@@ -176,7 +182,7 @@ fn printed_parameters_are_accepted_and_single_ones_win() {
     let parameters = &result["parameters"];
     assert_eq!(parameters["correspondence.num_samples"], 400);
     assert_eq!(parameters["posegraph.neighbors"], 3);
-    assert_eq!(result["voxel"], 0.06);
+    assert_eq!(result["voxel_size"], 0.06);
 }
 
 #[test]
@@ -250,7 +256,10 @@ fn parameters_are_printed_whatever_the_verbosity() {
     let json =
         Run::ending_with(0, &["params", "--set", "sync.method=no-recovery", "--json"]).json();
     assert_eq!(
-        (json["sync.method"].as_str(), json["sync.recovery"].as_f64()),
-        (Some("no-recovery"), Some(0.0))
+        (
+            json["sync.method"].as_str(),
+            json["sync.history.recovery"].as_f64()
+        ),
+        (Some("no-recovery"), Some(0.1))
     );
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
+use gmpcr::Registration;
 use gmpcr::nalgebra::{Isometry3, Matrix3, Matrix3x4, Point3, Rotation3, Vector3};
-use gmpcr_io::{Coordinates, write_merged_ply};
+use gmpcr_io::{ColoredCloud, Coordinates, write_merged_ply};
 use gmpcr_sim::{DepthCamera, SimParams, SimulatedScans, simulate};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -117,7 +118,7 @@ impl Workplace {
     }
 }
 
-/// A few scans of a furnished room, and their true poses.
+/// A few scans of a furnished room, and their ground truth.
 pub fn room() -> &'static SimulatedScans {
     static ROOM: OnceLock<SimulatedScans> = OnceLock::new();
     ROOM.get_or_init(|| {
@@ -135,10 +136,15 @@ pub fn room() -> &'static SimulatedScans {
 }
 
 pub fn write_ply(path: &Path, points: &[Point3<f64>]) {
-    let cloud = [(points.iter().copied(), [0; 3])];
-    write_merged_ply(path, Coordinates::Double, cloud).unwrap();
+    let cloud = ColoredCloud {
+        points,
+        world_from_points: Isometry3::identity(),
+        color: [0; 3],
+    };
+    write_merged_ply(path, Coordinates::Double, [cloud]).unwrap();
 }
 
+/// The pose of the 12 numbers of `[R | t]`.
 pub fn pose(numbers: &Value) -> Isometry3<f64> {
     let numbers = numbers
         .as_array()
@@ -152,35 +158,38 @@ pub fn pose(numbers: &Value) -> Isometry3<f64> {
     Isometry3::from_parts(translation.into(), rotation.into())
 }
 
-/// The poses of a result, which has all scans in one frame.
-pub fn poses(result: &Value) -> Vec<Isometry3<f64>> {
-    assert_eq!(result["components"].as_array().unwrap().len(), 1);
-    let scans = result["scans"].as_array().unwrap();
-    scans
-        .iter()
-        .map(|scan| pose(&scan["world_from_scan"]))
-        .collect()
+/// The registration of a result, as the library has it.
+pub fn registration(result: &Value) -> Registration {
+    serde_json::from_value(result["registration"].clone()).unwrap()
 }
 
-/// The largest error of the relative poses, in radians and metres.
-pub fn largest_errors(poses: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> (f64, f64) {
-    let (mut turn, mut shift) = (0f64, 0f64);
+/// The poses of a result, which has all scans in one frame.
+pub fn poses(result: &Value) -> Vec<Isometry3<f64>> {
+    let registration = registration(result);
+    assert_eq!(registration.components.members().len(), 1);
+    registration.world_from_scan
+}
+
+/// The largest errors of the relative poses, in radians and meters.
+fn largest_errors(poses: &[Isometry3<f64>], ground_truth: &[Isometry3<f64>]) -> (f64, f64) {
+    let (mut rotation, mut translation) = (0f64, 0f64);
     for i in 0..poses.len() {
         for j in 0..i {
-            let error = poses[i].inv_mul(&poses[j]).inverse() * truth[i].inv_mul(&truth[j]);
-            turn = turn.max(error.rotation.angle());
-            shift = shift.max(error.translation.vector.norm());
+            let expected = ground_truth[i].inv_mul(&ground_truth[j]);
+            let error = poses[i].inv_mul(&poses[j]).inverse() * expected;
+            rotation = rotation.max(error.rotation.angle());
+            translation = translation.max(error.translation.vector.norm());
         }
     }
-    (turn, shift)
+    (rotation, translation)
 }
 
 /// All relative poses are within the 15° and 0.3 m by which benchmarks count a pair as registered.
-pub fn assert_close(poses: &[Isometry3<f64>], truth: &[Isometry3<f64>]) {
-    let (turn, shift) = largest_errors(poses, truth);
+pub fn assert_close(poses: &[Isometry3<f64>], ground_truth: &[Isometry3<f64>]) {
+    let (rotation, translation) = largest_errors(poses, ground_truth);
     assert!(
-        turn < 0.26 && shift < 0.3,
-        "off by {turn} rad and {shift} m"
+        rotation < 0.26 && translation < 0.3,
+        "off by {rotation} rad and {translation} m"
     );
 }
 

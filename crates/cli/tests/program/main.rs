@@ -6,6 +6,7 @@ mod bad_input;
 mod browser;
 mod commands;
 mod common;
+mod evaluation;
 mod formats;
 mod interrupts;
 mod open3d;

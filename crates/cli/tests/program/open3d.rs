@@ -61,7 +61,7 @@ fn open3d_reads_the_pose_graph_and_the_merged_cloud() {
             .all(|residual| residual.as_f64().unwrap() < 0.5),
         "{residuals:?}"
     );
-    // Its own optimiser goes on from there, and not far.
+    // Its own optimizer goes on from there, and not far.
     let moved = read["moved"].as_array().unwrap();
     assert!(
         moved.iter().all(|length| length.as_f64().unwrap() < 0.5),

@@ -2,8 +2,8 @@
 
 use crate::common::{Run, Workplace, program, real_data};
 
-fn recall(result: &str, truth: &str, list: &str) -> f64 {
-    let json = Run::ending_with(0, &["eval", result, truth, "--json"]).json();
+fn recall(result: &str, ground_truth: &str, list: &str) -> f64 {
+    let json = Run::ending_with(0, &["eval", result, ground_truth, "--json"]).json();
     json[list]["registration_recall"].as_f64().unwrap()
 }
 
@@ -29,8 +29,12 @@ fn an_object_is_registered_by_the_same_command() {
     let place = Workplace::new();
     let out = place.text("out");
     Run::ending_with(0, &["register", folder.to_str().unwrap(), "-o", &out]);
-    let (result, truth) = (place.text("out/result.json"), folder.join("poses.txt"));
-    let json = Run::ending_with(0, &["eval", &result, truth.to_str().unwrap(), "--json"]).json();
+    let (result, ground_truth) = (place.text("out/result.json"), folder.join("poses.txt"));
+    let json = Run::ending_with(
+        0,
+        &["eval", &result, ground_truth.to_str().unwrap(), "--json"],
+    )
+    .json();
     // Of an object of 15 cm.
     let median = &json["poses"]["relative"]["median"];
     assert!(

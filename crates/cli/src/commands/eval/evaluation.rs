@@ -131,7 +131,10 @@ impl<'a> Evaluation<'a> {
         let _ = writeln!(self.text, "{num_known} with a known pose");
         self.text += &table(&header, rows);
         let _ = writeln!(self.text, "pairs without a common frame {num_missing}");
-        let json = |[mean, median]: [Option<PoseError>; 2]| json!({ "mean": mean.map(error_json), "median": median.map(error_json) });
+        let json = |[mean, median]: [Option<PoseError>; 2]| {
+            let [mean, median] = [mean, median].map(|error| error.map(error_json));
+            json!({ "mean": mean, "median": median })
+        };
         let entry = json!({
             "scans": known.len(),
             "without_common_frame": num_missing,

@@ -1,94 +1,14 @@
-//! `gmpcr register`: from scans to poses, pose graph, merged cloud and report.
+//! A registration in a screen of text.
 
 use std::fmt::Write;
-use std::path::Path;
 
-use gmpcr::{Edge, Warning, register_observed};
-use serde_json::json;
+use gmpcr::{Edge, Warning};
 
-use crate::arguments::RegisterArguments;
-use crate::config::Config;
-use crate::input::Input;
-use crate::outcome::{Answer, Failure};
-use crate::output::{FILES, Output, prepare};
-use crate::progress::Progress;
 use crate::result::ResultFile;
-use crate::scan_files::files_of;
 use crate::table::{counted, significant, table};
-use crate::warnings::notices;
 
-pub fn run(
-    arguments: &RegisterArguments,
-    is_verbose: bool,
-    progress: &Progress,
-) -> Result<Answer, Failure> {
-    let config = Config::new(&arguments.tuning)?;
-    let files = files_of(&arguments.inputs)?;
-    prepare(&arguments.out, &files)?;
-    let input = match &arguments.descriptors {
-        Some(folder) => Input::with_descriptors(&files, folder, &config, progress)?,
-        None => Input::with_fpfh(&files, &config, progress)?,
-    };
-    check_number(&input)?;
-    let params = config.params(input.set.voxel_size);
-    let registration =
-        register_observed(&input.set.scans, &params, progress).map_err(Failure::of_registration)?;
-    let warnings = registration.warnings(&params);
-    let warnings = notices(&input, &registration, warnings);
-    let world_from_local = registration.world_from_scan.clone();
-    let registration = input.set.in_cloud_frames(registration);
-    let result = ResultFile::new(&input, &config, registration, warnings);
-    let voxel_size = input.set.voxel_size;
-    let output = Output {
-        title: &title(arguments),
-        input: &input,
-        params: &params,
-        result: &result,
-        world_from_local: &world_from_local,
-        downsample: arguments.downsample.map(|size| size.unwrap_or(voxel_size)),
-    };
-    output.write(&arguments.out, progress)?;
-    progress.finish();
-    Ok(Answer {
-        text: summary(&result, is_verbose) + &written(&arguments.out),
-        json: Some(json!(result)),
-        is_complete: result.registration.components.members().len() == 1,
-    })
-}
-
-/// A single scan would be in place, but nobody means that.
-fn check_number(input: &Input) -> Result<(), Failure> {
-    let files = input.files.iter();
-    let problems: Vec<_> = files.filter_map(|file| file.problem.as_deref()).collect();
-    let (num_files, num_readable) = (input.files.len(), input.files.len() - problems.len());
-    if num_readable >= 2 {
-        return Ok(());
-    }
-    let first = problems.first();
-    let first = first.map_or(String::new(), |problem| format!("; {problem}"));
-    let reason =
-        format!("{num_readable} of {num_files} scans could be read: at least two are needed");
-    Err((reason + &first).into())
-}
-
-/// The folder of the first input, or of the descriptors.
-fn title(arguments: &RegisterArguments) -> String {
-    let first = arguments.inputs.first().or(arguments.descriptors.as_ref());
-    let first = first.and_then(|path| path.canonicalize().ok());
-    let folder = first.map(|path| match path.is_dir() {
-        true => path,
-        false => path.parent().map(Path::to_owned).unwrap_or(path),
-    });
-    let name = folder.as_deref().and_then(Path::file_name);
-    name.map_or("scans".into(), |name| name.to_string_lossy().into_owned())
-}
-
-fn written(folder: &Path) -> String {
-    let names = FILES.map(|(name, _)| name);
-    format!("\n{} written to {}\n", names.join(", "), folder.display())
-}
-
-fn summary(result: &ResultFile, is_verbose: bool) -> String {
+/// Overview, edges and warnings; the weakest edges and the first warnings only, unless the user wants all.
+pub fn summary(result: &ResultFile, is_verbose: bool) -> String {
     const FEW: usize = 8;
     let mut text = overview(result);
     let edges = &result.registration.edges;
@@ -107,8 +27,8 @@ fn summary(result: &ResultFile, is_verbose: bool) -> String {
         let _ = writeln!(text, "\nwarnings");
     }
     let num_shown = if is_verbose { usize::MAX } else { FEW };
-    for notice in result.warnings.iter().take(num_shown) {
-        let _ = writeln!(text, "- {}", notice.text);
+    for finding in result.warnings.iter().take(num_shown) {
+        let _ = writeln!(text, "- {}", finding.text);
     }
     let num_hidden = result.warnings.len().saturating_sub(num_shown);
     if num_hidden > 0 {
@@ -134,7 +54,7 @@ fn overview(result: &ResultFile) -> String {
             format!("{} of {}", components.largest().len(), result.scans.len()),
         ),
         ("components", components.members().len().to_string()),
-        ("on a single edge", on_single_edges(result)),
+        ("behind a bridge", behind_bridges(result)),
         ("edges", format!("{num_edges} of {num_pairs} scored pairs")),
         (
             "voxel size",
@@ -157,12 +77,12 @@ fn times(result: &ResultFile) -> String {
     format!("{}: {}", seconds(total), stages.join(", "))
 }
 
-/// How many scans are where they are because of one edge, which nothing confirms.
-fn on_single_edges(result: &ResultFile) -> String {
+/// How many scans a bridge alone connects to the rest: nothing confirms their poses.
+fn behind_bridges(result: &ResultFile) -> String {
     let mut scans: Vec<usize> = result
         .warnings
         .iter()
-        .filter_map(|notice| match &notice.warning {
+        .filter_map(|finding| match &finding.warning {
             Warning::Bridge { scans, .. } => Some(scans),
             _ => None,
         })
@@ -183,7 +103,7 @@ fn scan_table(result: &ResultFile) -> String {
             scan.name.clone(),
             registration.components.label(k).to_string(),
             scan.points.to_string(),
-            scan.described.to_string(),
+            scan.with_features.to_string(),
             edges.count().to_string(),
         ]
     });
@@ -202,10 +122,10 @@ fn edge_table(result: &ResultFile, positions: impl IntoIterator<Item = usize>) -
         "after",
         "residual",
     ];
-    // The result follows a single edge wherever it leads.
+    // The result follows a bridge wherever it leads, so that its residual says nothing.
     let mut is_bridge = vec![false; result.registration.edges.len()];
-    for notice in &result.warnings {
-        if let Warning::Bridge { edge, .. } = notice.warning {
+    for finding in &result.warnings {
+        if let Warning::Bridge { edge, .. } = finding.warning {
             is_bridge[edge] = true;
         }
     }

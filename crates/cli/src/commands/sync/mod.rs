@@ -1,20 +1,21 @@
 //! `gmpcr sync`: poses from the relative poses of a g2o file.
 
+mod residuals;
+
 use std::fmt::Write;
 use std::time::Duration;
 
 use gmpcr::nalgebra::Isometry3;
 use gmpcr::posegraph::PoseGraph;
-use gmpcr::sync::{
-    ComponentReport, EdgeResidual, SyncParams, Synchronization, edge_residuals, synchronize,
-};
+use gmpcr::sync::{ComponentReport, SyncParams, Synchronization, synchronize};
 use gmpcr_io::{G2oPoseGraph, read_g2o, write_g2o};
 use serde_json::{Value, json};
 
 use crate::arguments::SyncArguments;
 use crate::outcome::{Answer, Failure};
 use crate::progress::Progress;
-use crate::table::{counted, significant, table};
+use crate::table::counted;
+use residuals::{Residuals, residual_table};
 
 pub fn run(
     arguments: &SyncArguments,
@@ -112,8 +113,8 @@ impl Solved<'_> {
             let residual = self.position_residual();
             let _ = writeln!(
                 text,
-                "positions were not solved to the end (residual {residual:.1e}): distant poses may be off against \
-                 each other"
+                "positions were not solved to the end (residual {residual:.1e}): relative poses of distant scans may \
+                 be inaccurate"
             );
         }
         text
@@ -154,64 +155,4 @@ impl Solved<'_> {
     fn largest(&self, of: fn(&ComponentReport) -> f64) -> f64 {
         self.result.reports.iter().map(of).fold(0.0, f64::max)
     }
-}
-
-/// Residuals of the edges, in ascending order.
-struct Residuals {
-    /// Degrees.
-    rotation: Vec<f64>,
-    /// In the unit of the file.
-    translation: Vec<f64>,
-}
-
-impl Residuals {
-    fn of(graph: &PoseGraph, world_from_scan: &[Isometry3<f64>]) -> Self {
-        let residuals = edge_residuals(graph, world_from_scan);
-        let sorted = |value: fn(&EdgeResidual) -> f64| {
-            let mut values: Vec<f64> = residuals.iter().map(value).collect();
-            values.sort_by(f64::total_cmp);
-            values
-        };
-        Self {
-            rotation: sorted(|residual| residual.rotation.to_degrees()),
-            translation: sorted(|residual| residual.translation),
-        }
-    }
-
-    fn to_json(&self) -> Value {
-        let quantiles = |values| {
-            let [median, high, largest] = quantiles(values);
-            json!({ "median": median, "percentile_95": high, "largest": largest })
-        };
-        json!({
-            "rotation_degrees": quantiles(&self.rotation),
-            "translation": quantiles(&self.translation),
-        })
-    }
-}
-
-/// Median, 95th percentile and maximum of ascending values.
-fn quantiles(values: &[f64]) -> [f64; 3] {
-    let at = |fraction: f64| (fraction * values.len() as f64) as usize;
-    [0.5, 0.95, 1.0].map(|fraction| values[at(fraction).min(values.len() - 1)])
-}
-
-fn residual_table(before: Option<&Residuals>, after: &Residuals) -> String {
-    let row = |name: &str, residuals: &Residuals| {
-        let degrees = quantiles(&residuals.rotation).map(|value| format!("{value:.3}°"));
-        let lengths = quantiles(&residuals.translation).map(significant);
-        let cells = [name.to_owned()].into_iter().chain(degrees).chain(lengths);
-        cells.collect::<Vec<_>>()
-    };
-    let before = before.map(|residuals| row("before", residuals));
-    let header = [
-        "residuals",
-        "rotation: median",
-        "95 %",
-        "largest",
-        "translation: median",
-        "95 %",
-        "largest",
-    ];
-    table(&header, before.into_iter().chain([row("after", after)]))
 }
