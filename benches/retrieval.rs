@@ -35,8 +35,8 @@ struct Scene {
 /// Candidates per scan, most rounds of neighbors, candidates per round.
 type Setting = [usize; 3];
 const MANY_SCANS: [Setting; 8] = [
-    [15, 0, 0],
-    [40, 0, 0],
+    [15, 0, 1],
+    [40, 0, 1],
     [15, 3, 8],
     [10, 20, 8],
     [15, 20, 6],
@@ -44,7 +44,7 @@ const MANY_SCANS: [Setting; 8] = [
     [15, 20, 10],
     [30, 20, 8],
 ];
-const FEW_SCANS: [Setting; 5] = [[5, 0, 0], [10, 0, 0], [5, 20, 3], [5, 20, 5], [15, 20, 8]];
+const FEW_SCANS: [Setting; 5] = [[5, 0, 1], [10, 0, 1], [5, 20, 3], [5, 20, 5], [15, 20, 8]];
 
 fn main() {
     // Cargo adds the argument "--bench".
