@@ -630,9 +630,9 @@ fn ids_survive_the_removal_of_other_scans() {
     incremental.remove(ids[0]);
     let after = incremental.register(&()).unwrap();
     assert_eq!(after.ids, ids[1..]);
-    // The frame is that of the first scan that is left.
+    // The frame is that of the first scan that is left; fewer edges change poses by the noise.
     let expected = before.i_from_j(1, 5).unwrap();
-    assert_same_up_to_origin(after.pose_of(ids[5]).unwrap(), &expected);
+    assert!(difference(after.pose_of(ids[5]).unwrap(), &expected) < 0.05);
     assert_eq!(after.pose_of(ids[0]), None);
     // A new scan never gets the id of a removed one.
     incremental.remove(ids[8]);
@@ -714,9 +714,10 @@ fn other_coordinates_of_the_scans_change_the_poses_alike() {
     assert!(difference(&moved.world_from_scan[0], &Isometry3::identity()) < 1e-9);
     for (edge, before) in moved.edges.iter().zip(&registration.edges) {
         let (i, j) = (edge.i, edge.j);
-        let predicted = moved.i_from_j(i, j).unwrap() * edge.i_from_j.inverse();
+        let residual = moved.i_from_j(i, j).unwrap() * edge.i_from_j.inverse();
         let expected = registration.i_from_j(i, j).unwrap() * before.i_from_j.inverse();
-        assert!(predicted.rotation.angle_to(&expected.rotation) < 1e-9);
+        let expected = new_from_old[i] * expected * new_from_old[i].inverse();
+        assert!(residual.rotation.angle_to(&expected.rotation) < 1e-9);
     }
     let point = VIEWS.scan(4).points()[0];
     let world = |registration: &Registration, point| registration.world_from_scan[4] * point;

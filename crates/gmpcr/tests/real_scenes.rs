@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use gmpcr::correspondence::farthest_point_sampling;
 use gmpcr::nalgebra::{Isometry3, Matrix3x4};
-use gmpcr::{Descriptors, Params, Registration, Scan, register};
+use gmpcr::{Params, Registration, Scan, register};
 use gmpcr_io::descriptor_files;
 use serde_json::Value;
 
@@ -24,12 +24,7 @@ fn data() -> Option<PathBuf> {
 
 fn learned_scans(folder: &Path) -> Vec<Scan> {
     let files = descriptor_files(folder).unwrap();
-    let scans = files.iter().map(|files| {
-        let (points, read) = files.read().unwrap();
-        let descriptors = Descriptors::new(read.values, read.dimension).unwrap();
-        Scan::new(points, descriptors).unwrap()
-    });
-    scans.collect()
+    files.iter().map(|files| files.read().unwrap()).collect()
 }
 
 fn number(value: &Value) -> f64 {

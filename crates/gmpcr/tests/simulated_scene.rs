@@ -4,8 +4,8 @@
 
 use gmpcr::features::FeatureParams;
 use gmpcr::{Cloud, Params, compute_features_with, register};
-use gmpcr_eval::{PairErrors, WorldPoses};
-use gmpcr_sim::{SimParams, overlap_matrix, simulate};
+use gmpcr_eval::{PairErrors, WorldPoses, overlap_matrix};
+use gmpcr_sim::{SimParams, simulate};
 
 #[test]
 fn overlapping_scans_of_furnished_rooms_are_registered() {
@@ -33,7 +33,7 @@ fn overlapping_scans_of_furnished_rooms_are_registered() {
             .collect();
         let poses = WorldPoses::new(poses, registration.components.labels().to_vec()).unwrap();
         let errors = PairErrors::of_all(&scans.world_from_scan, &poses).unwrap();
-        let overlap = overlap_matrix(&scans, 0.0375);
+        let overlap = overlap_matrix(&scans.clouds, &scans.world_from_scan, 0.0375).unwrap();
         let is_match = |i, j| overlap[(i, j)] > 0.3;
         for pair in errors.pairs.iter().filter(|pair| is_match(pair.i, pair.j)) {
             let is_registered = |error: gmpcr_eval::PoseError| {

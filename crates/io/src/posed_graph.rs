@@ -107,6 +107,48 @@ impl PosedGraph {
         })
     }
 
+    /// The graph of Open3D: scans have the numbers of its nodes. What Open3D says of uncertainty and confidence
+    /// does not count.
+    ///
+    /// A graph to be synchronized is
+    /// [`G2oPoseGraph::new(&graph.to_g2o())`](crate::G2oPoseGraph::new), with the weights of that rule.
+    ///
+    /// # Errors
+    /// [`PosedGraphError::NoPose`] if an edge names a node that is not there.
+    ///
+    /// # Example
+    /// ```
+    /// use gmpcr_io::{G2oPoseGraph, Open3dEdge, Open3dPoseGraph, PosedGraph};
+    /// use nalgebra::{Isometry3, Matrix6};
+    ///
+    /// let x = |x| Isometry3::translation(x, 0.0, 0.0);
+    /// let edge = Open3dEdge {
+    ///     source: 1,
+    ///     target: 0,
+    ///     target_from_source: x(3.0),
+    ///     information: Matrix6::identity(),
+    ///     uncertain: true,
+    ///     confidence: 1.0,
+    /// };
+    /// let open3d = Open3dPoseGraph { nodes: vec![x(0.0), x(2.9)], edges: vec![edge] };
+    /// let graph = PosedGraph::from_open3d(&open3d)?;
+    /// assert_eq!(graph.to_open3d(), open3d);
+    /// let graph = G2oPoseGraph::new(&graph.to_g2o())?.graph;
+    /// assert_eq!(graph.edges()[0].i_from_j, x(3.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn from_open3d(open3d: &Open3dPoseGraph) -> Result<Self, PosedGraphError> {
+        let edges = open3d.edges.iter().map(|edge| MeasuredEdge {
+            i: edge.target,
+            j: edge.source,
+            i_from_j: edge.target_from_source,
+            // The swap of the two halves is its own inverse.
+            information: rotation_first(&edge.information),
+        });
+        let poses = open3d.nodes.iter().copied().enumerate();
+        Self::new(poses.collect(), edges.collect())
+    }
+
     /// The graph for g2o; ids are the numbers of the scans.
     ///
     /// g2o measures a rotation by the vector part of its unit quaternion, half of the angle. With
