@@ -71,6 +71,11 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let params = arguments.preset.params().with_voxel_size(arguments.voxel);
     let registration = set.in_cloud_frames(register(&set.scans, &params)?);
     print_summary(&set, &registration);
+    for (scan, problem) in set.problems.iter().enumerate() {
+        if let Some(problem) = problem {
+            println!("warning: scan {scan} has no features: {problem}");
+        }
+    }
     for warning in registration.warnings(&params) {
         println!("warning: {warning}");
     }
