@@ -39,7 +39,7 @@ use gmpcr::correspondence::{
     Keypoints, correspondences, farthest_point_sampling, match_descriptors,
 };
 use gmpcr::nalgebra::Vector3;
-use gmpcr::posegraph::{PairConfidences, ScoredPair};
+use gmpcr::posegraph::{PairConfidences, PoseGraphParams, ScoredPair};
 use gmpcr::{Descriptors, Params};
 use gmpcr_io::read_overlaps;
 
@@ -52,7 +52,7 @@ fn main() {
     let machine = Machine::measured();
     println!("\n| stage | size | 1000 multiply-adds | kB | floor (µs) | measured (µs) | ratio |");
     println!("|---|---|---|---|---|---|---|");
-    made(&machine);
+    synthetic(&machine);
     if let Err(error) = real(&machine, "redkitchen") {
         println!("| scoring of real pairs | skipped: {error} |");
     }
@@ -122,7 +122,7 @@ fn transfers(bytes: usize) -> f64 {
 }
 
 /// All stages on synthetic data.
-fn made(machine: &Machine) {
+fn synthetic(machine: &Machine) {
     let params = Params::threedmatch().compatibility;
     let rows = descriptors(2_000, 32, 0);
     let work = Work::new(0.0, 2_000.0 * 200.0 * 32.0, 4.0 * 2_000.0 * 32.0);
@@ -141,7 +141,7 @@ fn made(machine: &Machine) {
         let solve = || DominantEigenpair::new(black_box(graph.scg()));
         let (work, seconds) = (eigenvector_work(&solve()), best(solve));
         machine.report("dominant eigenvector", &size, work, seconds);
-        let filter = || SpectralFilter::new(black_box(&pairs), &params);
+        let filter = || SpectralFilter::new(black_box(&pairs), &params).unwrap();
         let (work, seconds) = (filter_work(&graph, &filter()), best(filter));
         machine.report("graph to filter", &size, work, seconds);
     }
@@ -159,7 +159,8 @@ fn made(machine: &Machine) {
             raw_confidence: scattered(i * num_scans + j).abs(),
         });
         let confidences = PairConfidences::new(num_scans, scored.collect()).unwrap();
-        let select = || black_box(&confidences).top_k_union(6);
+        let params = PoseGraphParams::default();
+        let select = || black_box(&confidences).top_k_union(&params).unwrap();
         let bytes = size_of_val(confidences.pairs()) + size_of_val(&*select());
         let (work, size) = (Work::z() * bytes as f64, format!("6 of {num_scans} scans"));
         machine.report("top-K union", &size, work, best(select));
@@ -183,7 +184,8 @@ fn eigenvector_work(eigenpair: &DominantEigenpair) -> Work {
     let (products, basis) = match eigenpair.route {
         Route::Power { iterations } => (iterations as f64, 0.0),
         Route::Lanczos { iterations, steps } => (iterations as f64, 2.0 * (steps * steps) as f64),
-        Route::Decomposition => (part, 0.0), // as a tridiagonalisation takes
+        // As a tridiagonalization takes.
+        _ => (part, 0.0),
     };
     Work::new(
         0.0,
@@ -204,7 +206,7 @@ fn filter_work(graph: &CompatibilityGraph, filter: &SpectralFilter) -> Work {
 fn real(machine: &Machine, scene: &str) -> Result<(), gmpcr_io::Error> {
     let overlaps = read_overlaps(data::folder().join(scene).join("overlap.csv"))?;
     let params = Params::threedmatch();
-    let sample = |scan| Keypoints::sample(scan, params.correspondence.num_samples);
+    let sample = |scan| Keypoints::sample(scan, &params.correspondence).unwrap();
     let keypoints: Vec<_> = data::learned(scene)?.iter().map(sample).collect();
     for (name, least) in [("all", -1.0), ("overlap > 30 %", 0.3)] {
         let chosen = overlaps.iter().filter(|pair| pair.overlap > least);
@@ -226,8 +228,8 @@ fn real(machine: &Machine, scene: &str) -> Result<(), gmpcr_io::Error> {
 }
 
 fn scored([a, b]: [&Keypoints; 2], params: &Params) -> (PointPairs, SpectralFilter) {
-    let pairs = correspondences(a, b, params.correspondence.max_correspondences).unwrap();
-    let filter = SpectralFilter::new(&pairs, &params.compatibility);
+    let pairs = correspondences(a, b, &params.correspondence).unwrap();
+    let filter = SpectralFilter::new(&pairs, &params.compatibility).unwrap();
     (pairs, filter)
 }
 

@@ -17,10 +17,10 @@ use data::{descriptors, half_inlier_pairs, scattered};
 use gmpcr::cliques::{BitGraph, for_each_maximal_clique, kabsch};
 use gmpcr::compatibility::{CompatibilityParams, SpectralFilter};
 use gmpcr::correspondence::{farthest_point_sampling, match_descriptors};
-use gmpcr::features::{FeatureParams, describe};
-use gmpcr::posegraph::{PairConfidences, PoseEdge, PoseGraph, ScoredPair};
+use gmpcr::features::{FeatureParams, compute_features};
+use gmpcr::posegraph::{PairConfidences, PoseEdge, PoseGraph, PoseGraphParams, ScoredPair};
 use gmpcr::sync::{SyncParams, synchronize};
-use gmpcr::{Params, Registry, register};
+use gmpcr::{IncrementalRegistration, Params, register};
 use gmpcr_sim::{PoseGraphSimParams, SimParams, simulate, simulate_pose_graph};
 
 fn sampling(criterion: &mut Criterion) {
@@ -116,7 +116,7 @@ fn selection(criterion: &mut Criterion) {
         let confidences = PairConfidences::new(num_scans, scored.collect()).unwrap();
         group.throughput(Throughput::Elements(confidences.pairs().len() as u64));
         group.bench_function(BenchmarkId::new("scans", num_scans), |bencher| {
-            bencher.iter(|| black_box(&confidences).top_k_union(6));
+            bencher.iter(|| black_box(&confidences).top_k_union(&PoseGraphParams::default()));
         });
     }
 }
@@ -160,7 +160,7 @@ fn features(criterion: &mut Criterion) {
         let cloud: Vec<_> = cloud.iter().step_by(stride).copied().collect();
         group.throughput(Throughput::Elements(cloud.len() as u64));
         group.bench_function(BenchmarkId::new("points", cloud.len()), |bencher| {
-            bencher.iter(|| describe(black_box(&cloud), &FeatureParams::default()));
+            bencher.iter(|| compute_features(black_box(&cloud), &FeatureParams::default()));
         });
     }
 }
@@ -179,16 +179,16 @@ fn pipeline(criterion: &mut Criterion) {
             bencher.iter(|| register(black_box(&scans), &params));
         });
         let (last, others) = scans.split_last().unwrap();
-        let mut registry = Registry::new(params.clone()).unwrap();
-        registry.add(others, &()).unwrap();
-        registry.registration(&()).unwrap();
+        let mut known = IncrementalRegistration::new(params.clone()).unwrap();
+        known.add(others, &()).unwrap();
+        known.register(&()).unwrap();
         group.throughput(Throughput::Elements((num_scans - 1) as u64));
         group.bench_function(BenchmarkId::new("one more scan", num_scans), |bencher| {
             bencher.iter_batched(
-                || registry.clone(),
-                |mut registry| {
-                    registry.add(std::slice::from_ref(last), &()).unwrap();
-                    registry.registration(&()).unwrap()
+                || known.clone(),
+                |mut known| {
+                    known.add(std::slice::from_ref(last), &()).unwrap();
+                    known.register(&()).unwrap()
                 },
                 criterion::BatchSize::LargeInput,
             );

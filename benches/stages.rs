@@ -17,7 +17,7 @@ use gmpcr::compatibility::{DominantEigenpair, SpectralFilter};
 use gmpcr::correspondence::{
     Keypoints, correspondences, farthest_point_sampling, match_descriptors,
 };
-use gmpcr::features::{FeatureParams, describe};
+use gmpcr::features::{FeatureParams, compute_features};
 use gmpcr::sync::synchronize;
 use gmpcr::{Params, Scan, register};
 use gmpcr_sim::{SimParams, simulate};
@@ -29,7 +29,7 @@ fn scans() -> (String, Vec<Scan>) {
         Err(error) => {
             eprintln!("no real scans, simulated ones are used: {error}");
             let simulated = simulate(&SimParams::default()).unwrap();
-            ("simulated".into(), data::with_descriptors(&simulated))
+            ("simulated".into(), data::fpfh_scans(&simulated.clouds))
         }
     }
 }
@@ -41,18 +41,16 @@ fn pair_stages(criterion: &mut Criterion) {
     group.bench_function("farthest-point sampling of a scan", |bencher| {
         bencher.iter(|| farthest_point_sampling(black_box(scans[0].descriptors()), 200));
     });
-    let keypoints: Vec<_> = scans[..2]
-        .iter()
-        .map(|scan| Keypoints::sample(scan, 200))
-        .collect();
+    let sample = |scan| Keypoints::sample(scan, &params.correspondence).unwrap();
+    let keypoints = [&scans[0], &scans[1]].map(sample);
     group.bench_function("matching 200 × 200", |bencher| {
         bencher.iter(|| match_descriptors(keypoints[0].descriptors(), keypoints[1].descriptors()));
     });
-    let pairs = correspondences(&keypoints[0], &keypoints[1], 100).unwrap();
+    let pairs = correspondences(&keypoints[0], &keypoints[1], &params.correspondence).unwrap();
     group.bench_function("compatibility, filter, confidence", |bencher| {
         bencher.iter(|| SpectralFilter::new(black_box(&pairs), &params.compatibility));
     });
-    let filter = SpectralFilter::new(&pairs, &params.compatibility);
+    let filter = SpectralFilter::new(&pairs, &params.compatibility).unwrap();
     group.bench_function("dominant eigenvector, 50 × 50", |bencher| {
         bencher.iter(|| DominantEigenpair::new(black_box(filter.graph.scg())));
     });
@@ -78,7 +76,7 @@ fn whole(criterion: &mut Criterion) {
     group.bench_function("sampling to poses", |bencher| {
         bencher.iter(|| register(black_box(&scans), &params));
     });
-    let graph = register(&scans, &params).unwrap().graph;
+    let graph = register(&scans, &params).unwrap().pose_graph();
     for (name, params) in [
         ("10", Params::threedmatch()),
         ("90", Params::threedlomatch()),
@@ -99,7 +97,7 @@ fn features(criterion: &mut Criterion) {
     criterion.bench_function(
         "voxel grid, normals and FPFH of a simulated scan",
         |bencher| {
-            bencher.iter(|| describe(black_box(&cloud), &FeatureParams::default()));
+            bencher.iter(|| compute_features(black_box(&cloud), &FeatureParams::default()));
         },
     );
 }

@@ -35,6 +35,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let scans = registration.components.largest();
     println!("{} of {} scans in one frame", scans.len(), files.len());
+    for (file, problem) in files.iter().zip(&set.problems) {
+        if let Some(problem) = problem {
+            println!("warning: {} has no features: {problem}", file.display());
+        }
+    }
     for warning in registration.warnings(&params) {
         println!("warning: {warning}");
     }

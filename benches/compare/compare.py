@@ -1,7 +1,7 @@
 """Compares gmpcr with Open3D and GTSAM on the same data, the same machine and one core.
 
-A  pose graphs without wrong edges (sphere2500, parking-garage): value of the objective reached
-B  simulated pose graphs of which up to 40 % of the edges are wrong: rotation errors
+A  pose graphs without outlier edges (sphere2500, parking-garage): value of the objective reached
+B  simulated pose graphs with up to 40 % outlier edges: rotation errors
 C  20 scans of a room, from files to poses: pairs registered
 
 Every run is a process of its own with a limit on its CPU time and its memory. What cannot run
@@ -99,7 +99,7 @@ class Bench:
         return run
 
     def gmpcr_sync(self, method, source):
-        out = self.folder / "synchronised.g2o"
+        out = self.folder / "synchronized.g2o"
         command = [self.gmpcr, "sync", source, "-o", out, "--json", "--method", *method.split()]
         run = self.process(command, self.limit, may_return=(0, 2))
         if not run.problem:
@@ -136,7 +136,7 @@ def without_outliers(bench):
     systems = [
         ("GTSAM chordal + LM", "gtsam", "plain"),
         ("GTSAM chordal + LM, SE-Sync's weights", "gtsam", "isotropic"),
-        ("Open3D global optimisation", "open3d", "plain"),
+        ("Open3D global optimization", "open3d", "plain"),
         *[(f"gmpcr {method}", "gmpcr", method) for method in methods],
     ]
 
@@ -158,7 +158,7 @@ def without_outliers(bench):
 def with_outliers(bench):
     systems = [
         ("GTSAM chordal + LM, Geman-McClure", "gtsam", "robust"),
-        ("Open3D global optimisation", "open3d", "robust"),
+        ("Open3D global optimization", "open3d", "robust"),
         ("gmpcr adaptive", "gmpcr", "adaptive"),
         ("gmpcr consensus", "gmpcr", "consensus"),
     ]
@@ -166,17 +166,17 @@ def with_outliers(bench):
     def rows():
         for n, outliers in itertools.product((500, 5000), (0.0, 0.2, 0.4)):
             source = bench.folder / "simulated.g2o"
-            true = simulate(n, outliers, source)
+            ground_truth = simulate(n, outliers, source)
             for system in systems:
                 label = [str(n), f"{outliers:.0%}", system[0]]
                 if bench.missing(system[1]):
                     yield [*label, f"skipped: {bench.missing(system[1])}"] + ["–"] * 5
                     continue
                 run = bench.solve(system, source)
-                errors = rotation_errors(run.poses[0], true) if run.poses else None
+                errors = rotation_errors(run.poses[0], ground_truth) if run.poses else None
                 values = [f"{errors.mean():.2f}", f"{np.median(errors):.2f}"] if run.poses else [run.problem, "–"]
                 yield [*label, *values, *times(run, system[1])]
-    table(["N", "wrong edges", "system", "mean error °", "median error °", *TIMES], rows())
+    table(["N", "outlier edges", "system", "mean error °", "median error °", *TIMES], rows())
 
 
 def gmpcr_register(bench, scene):
@@ -185,31 +185,32 @@ def gmpcr_register(bench, scene):
     if not run.problem:
         result = json.loads((out / "result.json").read_text())
         run.stages = {stage["name"]: stage["seconds"] for stage in result["stages"]}
-        rows = np.loadtxt(out / "poses.txt")[:, 1:].reshape(-1, 3, 4)
-        # Scans of other components have no pose in the frame of the first.
-        rows[[scan["component"] != 0 for scan in result["scans"]]] = np.nan
-        run.poses = rows[:, :, :3], rows[:, :, 3]
+        rows = np.loadtxt(out / "poses.txt", ndmin=2)
+        # Scans outside the largest component have no row.
+        poses = np.full((NUM_SCANS, 3, 4), np.nan)
+        poses[rows[:, 0].astype(int)] = rows[:, 1:].reshape(-1, 3, 4)
+        run.poses = poses[:, :, :3], poses[:, :, 3]
     return run
 
 
 def read_log(path):
-    """Motions `i_from_j` of a 3DMatch log, by pair, of the scans used."""
+    """Relative poses `i_from_j` of a 3DMatch log, by pair, of the scans used."""
     lines = path.read_text().splitlines()
     blocks = [lines[k:k + 5] for k in range(0, len(lines) - 4, 5)]
-    motions = {tuple(map(int, b[0].split()[:2])): np.array([row.split() for row in b[1:]], float) for b in blocks}
-    return {pair: motion for pair, motion in motions.items() if max(pair) < NUM_SCANS}
+    poses = {tuple(map(int, b[0].split()[:2])): np.array([row.split() for row in b[1:]], float) for b in blocks}
+    return {pair: pose for pair, pose in poses.items() if max(pair) < NUM_SCANS}
 
 
 def recall(poses, log):
-    """Pairs within 15 degrees and 0.3 m of the truth, of how many; their median errors."""
+    """Pairs within 15 degrees and 0.3 m of the ground truth, of how many; their median errors."""
     R, t = poses
     i, j = np.array(list(log)).T
-    true = np.array(list(log.values()))
+    ground_truth = np.array(list(log.values()))
     back = np.swapaxes(R[i], 1, 2)
-    turn = angles(back @ R[j], true[:, :3, :3])
-    shift = np.linalg.norm(np.einsum("eab,eb->ea", back, t[j] - t[i]) - true[:, :3, 3], axis=1)
-    good = (turn < 15) & (shift < 0.3)
-    medians = f"{np.median(turn[good]):.2f}° {100 * np.median(shift[good]):.1f} cm" if good.any() else "–"
+    rotation = angles(back @ R[j], ground_truth[:, :3, :3])
+    translation = np.linalg.norm(np.einsum("eab,eb->ea", back, t[j] - t[i]) - ground_truth[:, :3, 3], axis=1)
+    good = (rotation < 15) & (translation < 0.3)
+    medians = f"{np.median(rotation[good]):.2f}° {100 * np.median(translation[good]):.1f} cm" if good.any() else "–"
     return [f"{good.sum()} of {len(log)}", medians]
 
 
@@ -217,7 +218,7 @@ def whole_pipeline(bench):
     scene = bench.data / "redkitchen"
     logs = [scene / f"official_3d{kind}.log" for kind in ("match", "lomatch")]
     absent = [path for path in [*scan_files(scene), *logs] if not path.is_file()]
-    systems = [("Open3D FPFH, RANSAC, global optimisation", "open3d"), ("gmpcr register", "gmpcr")]
+    systems = [("Open3D FPFH, RANSAC, global optimization", "open3d"), ("gmpcr register", "gmpcr")]
 
     def rows():
         for name, package in systems:
@@ -239,16 +240,17 @@ def whole_pipeline(bench):
 
 
 PARTS = {
-    "A": ("Pose graphs without wrong edges", without_outliers,
+    "A": ("Pose graphs without outlier edges", without_outliers,
           "F is SE-Sync's objective and F* its certified minimum. GTSAM's and Open3D's own objectives differ from "
-          "F: they use the whole information matrices; the row with SE-Sync's weights minimises F up to third order. "
+          "F: they use the whole information matrices; the row with SE-Sync's weights minimizes F up to third order. "
           "gmpcr weighs edges by the trace of the rotation's information and estimates rotations first."),
-    "B": ("Simulated pose graphs with wrong edges", with_outliers,
-          "Angles to the true rotations, one graph per row. GTSAM and Open3D are told the noise (2°, 5 cm) by the "
-          f"information matrices and reject beyond {ROBUST_SCALE:g} standard deviations; gmpcr runs with its defaults."),
+    "B": ("Simulated pose graphs with outlier edges", with_outliers,
+          "Angles to the rotations of the ground truth, one graph per row. GTSAM and Open3D are told the noise (2°, "
+          f"5 cm) by the information matrices and reject beyond {ROBUST_SCALE:g} standard deviations; gmpcr runs with "
+          "its defaults."),
     "C": (f"{NUM_SCANS} scans of 7-Scenes redkitchen, from files to poses", whole_pipeline,
-          "Pairs of the official lists among these scans within 15° and 0.3 m of the truth, and the median errors of "
-          "those. Stages: CPU seconds of Open3D, wall seconds of gmpcr, each on one thread."),
+          "Pairs of the official lists among these scans within 15° and 0.3 m of the ground truth, and the median "
+          "errors of those. Stages: CPU seconds of Open3D, wall seconds of gmpcr, each on one thread."),
 }
 
 

@@ -60,9 +60,9 @@ def objective(graph, poses):
     factor 1/2: with this convention the certified minima of OPTIMA come out."""
     (R, t), (kappa, tau) = poses, kappa_tau(graph)
     Ri = R[graph.i]
-    turn = np.sum((R[graph.j] - Ri @ graph.R) ** 2, axis=(1, 2))
-    shift = np.sum((t[graph.j] - t[graph.i] - np.einsum("eab,eb->ea", Ri, graph.t)) ** 2, axis=1)
-    return kappa @ turn + tau @ shift
+    rotation = np.sum((R[graph.j] - Ri @ graph.R) ** 2, axis=(1, 2))
+    translation = np.sum((t[graph.j] - t[graph.i] - np.einsum("eab,eb->ea", Ri, graph.t)) ** 2, axis=1)
+    return kappa @ rotation + tau @ translation
 
 
 def spanning_tree(n, i, j, weight):
@@ -96,8 +96,8 @@ def quaternion_product(a, b):
 
 def simulate(n, outliers, path, degree=10, extent=10.0, seed=0):
     """Writes a g2o file of nodes in a cube, joined with near ones as scans that overlap: the Euclidean
-    spanning tree and the shortest of the remaining pairs. Returns the true rotations. A share of all
-    edges, the tree among them, is uniformly wrong; the others have the noise above."""
+    spanning tree and the shortest of the remaining pairs. Returns the rotations of the ground truth.
+    Of all edges, the tree among them, the ratio `outliers` is uniformly random; the others have the noise above."""
     rng = np.random.default_rng(seed)
     unit = lambda rows: rows / np.linalg.norm(rows, axis=1, keepdims=True)
     q, t = unit(rng.normal(size=(n, 4))), rng.uniform(-extent / 2, extent / 2, (n, 3))
@@ -110,20 +110,20 @@ def simulate(n, outliers, path, degree=10, extent=10.0, seed=0):
     i, j = pairs[np.concatenate([tree, others])[:n * degree // 2]].T
     noise = rng.normal(size=(len(i), 3)) * ROTATION_NOISE
     angle = np.linalg.norm(noise, axis=1, keepdims=True)
-    turn = np.hstack([np.sin(angle / 2) * noise / angle, np.cos(angle / 2)])
+    noise_rotation = np.hstack([np.sin(angle / 2) * noise / angle, np.cos(angle / 2)])
     inverse = q[i] * [-1, -1, -1, 1]
-    q_ij = quaternion_product(quaternion_product(inverse, q[j]), turn)
+    q_ij = quaternion_product(quaternion_product(inverse, q[j]), noise_rotation)
     t_ij = np.einsum("eab,eb->ea", rotations(inverse), t[j] - t[i]) + rng.normal(size=(len(i), 3)) * TRANSLATION_NOISE
-    wrong = rng.choice(len(i), round(outliers * len(i)), replace=False)
-    q_ij[wrong] = unit(rng.normal(size=(len(wrong), 4)))
-    t_ij[wrong] = rng.uniform(-extent, extent, (len(wrong), 3))
+    outlier = rng.choice(len(i), round(outliers * len(i)), replace=False)
+    q_ij[outlier] = unit(rng.normal(size=(len(outlier), 4)))
+    t_ij[outlier] = rng.uniform(-extent, extent, (len(outlier), 3))
     diagonal = np.diag([TRANSLATION_NOISE ** -2] * 3 + [ROTATION_NOISE ** -2] * 3)
     information = " ".join(f"{x:.9g}" for x in diagonal[np.triu_indices(6)])
     with open(path, "w") as file:
         file.writelines(f"VERTEX_SE3:QUAT {k} 0 0 0 0 0 0 1\n" for k in range(n))
         for k in rng.permutation(len(i)):
-            motion = " ".join(f"{x:.12g}" for x in [*t_ij[k], *q_ij[k]])
-            file.write(f"EDGE_SE3:QUAT {i[k]} {j[k]} {motion} {information}\n")
+            pose = " ".join(f"{x:.12g}" for x in [*t_ij[k], *q_ij[k]])
+            file.write(f"EDGE_SE3:QUAT {i[k]} {j[k]} {pose} {information}\n")
     return rotations(q)
 
 
@@ -138,9 +138,9 @@ def angles(a, b):
     return np.degrees(2 * np.arcsin(np.minimum(chord / np.sqrt(8), 1)))
 
 
-def rotation_errors(estimated, true):
-    """Angles to the truth in degrees, in the common frame of least absolute error (Weiszfeld)."""
-    offsets = true @ np.swapaxes(estimated, 1, 2)
+def rotation_errors(estimated, ground_truth):
+    """Angles to the ground truth in degrees, in the common frame of least absolute error (Weiszfeld)."""
+    offsets = ground_truth @ np.swapaxes(estimated, 1, 2)
     frame = nearest_rotation(offsets.mean(axis=0))
     for _ in range(100):
         weight = 1 / np.maximum(np.linalg.norm(offsets - frame, axis=(1, 2)), 1e-9)

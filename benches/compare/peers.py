@@ -14,7 +14,7 @@ import numpy as np
 
 from graphs import TRANSLATION_NOISE, kappa_tau, read_g2o, spanning_tree
 
-# Beyond this many standard deviations a measurement counts as wrong: the scale of Geman-McClure in
+# Beyond this many standard deviations a measurement counts as an outlier: the scale of Geman-McClure in
 # GTSAM, and of the line process in Open3D, which is the same loss.
 ROBUST_SCALE = 3.0
 
@@ -39,7 +39,7 @@ def timed(stages, name):
 
 
 def gtsam_sync(source, variant, stages):
-    """Chordal initialisation and Levenberg-Marquardt, with GTSAM's defaults. `isotropic` weighs the edges
+    """Chordal initialization and Levenberg-Marquardt, with GTSAM's defaults. `isotropic` weighs the edges
     such that the cost is SE-Sync's objective up to third order; `robust` has Geman-McClure's loss."""
     import gtsam
     with timed(stages, "read"):
@@ -80,15 +80,15 @@ def robustified(graph):
 
 
 def open3d_sync(source, variant, stages):
-    """Global optimisation from a spanning tree; `robust` lets edges that are not in the tree be wrong."""
+    """Global optimization from a spanning tree; `robust` lets edges that are not in the tree be outliers."""
     with timed(stages, "read"):
         graph, _ = read_g2o(source)
-        motions = np.tile(np.eye(4), (len(graph.i), 1, 1))
-        motions[:, :3, :3], motions[:, :3, 3] = graph.R, graph.t
+        transformations = np.tile(np.eye(4), (len(graph.i), 1, 1))
+        transformations[:, :3, :3], transformations[:, :3, 3] = graph.R, graph.t
         order = [3, 4, 5, 0, 1, 2]  # Open3D has rotations first
         information = graph.information[:, order][:, :, order]
     with timed(stages, "solve"):
-        edges = list(zip(graph.i.tolist(), graph.j.tolist(), motions, information))
+        edges = list(zip(graph.i.tolist(), graph.j.tolist(), transformations, information))
         weight = [1.0] * len(edges)
         poses = optimize_globally(len(graph.ids), edges, weight, variant == "robust", ROBUST_SCALE * TRANSLATION_NOISE)
     return poses[:, :3, :3], poses[:, :3, 3]
@@ -101,14 +101,14 @@ def optimize_globally(n, edges, weight, robust, distance):
     poses = np.tile(np.eye(4), (n, 1, 1))
     tree = spanning_tree(n, [edge[0] for edge in edges], [edge[1] for edge in edges], weight)
     for k, node in tree:
-        i, j, motion, _ = edges[k]
-        poses[node] = poses[i] @ motion if node == j else poses[j] @ np.linalg.inv(motion)
+        i, j, i_from_j, _ = edges[k]
+        poses[node] = poses[i] @ i_from_j if node == j else poses[j] @ np.linalg.inv(i_from_j)
     certain = {k for k, _ in tree}
     graph = registration.PoseGraph()
     graph.nodes.extend([registration.PoseGraphNode(pose) for pose in poses])
-    for k, (i, j, motion, information) in enumerate(edges):
+    for k, (i, j, i_from_j, information) in enumerate(edges):
         uncertain = robust and k not in certain
-        graph.edges.append(registration.PoseGraphEdge(j, i, motion, information, uncertain))
+        graph.edges.append(registration.PoseGraphEdge(j, i, i_from_j, information, uncertain))
     registration.global_optimization(
         graph, registration.GlobalOptimizationLevenbergMarquardt(),
         registration.GlobalOptimizationConvergenceCriteria(),
@@ -117,7 +117,7 @@ def optimize_globally(n, edges, weight, robust, distance):
 
 
 def open3d_register(source, _variant, stages):
-    """FPFH, RANSAC for all pairs, and global optimisation of those that overlap by 30 % or more after it."""
+    """FPFH, RANSAC for all pairs, and global optimization of those that overlap by 30 % or more after it."""
     import open3d
     registration = open3d.pipelines.registration
     open3d.utility.random.seed(0)
@@ -131,16 +131,16 @@ def open3d_register(source, _variant, stages):
                 registration.CorrespondenceCheckerBasedOnDistance(1.5 * VOXEL)]
     for i, j in itertools.combinations(range(len(clouds)), 2):
         with timed(stages, "RANSAC"):
-            motion = registration.registration_ransac_based_on_feature_matching(
+            i_from_j = registration.registration_ransac_based_on_feature_matching(
                 clouds[j], clouds[i], features[j], features[i], True, 1.5 * VOXEL,
                 registration.TransformationEstimationPointToPoint(), 3, checkers,
                 registration.RANSACConvergenceCriteria(100_000, 0.999)).transformation
         with timed(stages, "overlap"):
-            overlap = registration.evaluate_registration(clouds[j], clouds[i], 1.4 * VOXEL, motion).fitness
+            overlap = registration.evaluate_registration(clouds[j], clouds[i], 1.4 * VOXEL, i_from_j).fitness
             if overlap >= 0.3:
                 information = registration.get_information_matrix_from_point_clouds(
-                    clouds[j], clouds[i], 1.4 * VOXEL, motion)
-                edges.append((i, j, motion, information))
+                    clouds[j], clouds[i], 1.4 * VOXEL, i_from_j)
+                edges.append((i, j, i_from_j, information))
                 overlaps.append(overlap)
     with timed(stages, "global"):
         poses = optimize_globally(len(clouds), edges, overlaps, True, 1.4 * VOXEL)

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use gmpcr::cliques::PointPairs;
 use gmpcr::features::FeatureParams;
 use gmpcr::nalgebra::{Isometry3, Point3, Vector3};
-use gmpcr::{Descriptors, Scan, describe_clouds};
+use gmpcr::{Descriptors, Scan, compute_scan};
 use gmpcr_io::descriptor_files;
-use gmpcr_sim::{RoomParams, SimParams, SimulatedScans, simulate};
+use gmpcr_sim::{RoomParams, SimParams, simulate};
 
 /// A fixed number in (−1, 1) that looks random.
 pub fn scattered(k: usize) -> f64 {
@@ -50,13 +50,15 @@ pub fn flat(num_scans: usize) -> SimParams {
     }
 }
 
-pub fn with_descriptors(simulated: &SimulatedScans) -> Vec<Scan> {
-    describe_clouds(&simulated.clouds, &FeatureParams::default()).unwrap()
+/// Scans with FPFH.
+pub fn fpfh_scans(clouds: &[Vec<Point3<f64>>]) -> Vec<Scan> {
+    let scan = |cloud: &Vec<_>| compute_scan(cloud, &FeatureParams::default()).unwrap();
+    clouds.iter().map(scan).collect()
 }
 
-/// Scans with descriptors of a [`flat`].
+/// Scans of a [`flat`], with FPFH.
 pub fn scans(num_scans: usize) -> Vec<Scan> {
-    with_descriptors(&simulate(&flat(num_scans)).unwrap())
+    fpfh_scans(&simulate(&flat(num_scans)).unwrap().clouds)
 }
 
 /// Where the real scans are: what `GMPCR_DATA` names.
@@ -68,10 +70,5 @@ pub fn folder() -> PathBuf {
 /// Real scans with their learned descriptors.
 pub fn learned(scene: &str) -> Result<Vec<Scan>, gmpcr_io::Error> {
     let files = descriptor_files(folder().join("descriptors").join(scene))?;
-    let scans = files.iter().map(|files| {
-        let (points, read) = files.read()?;
-        let descriptors = Descriptors::new(read.values, read.dimension).unwrap();
-        Ok(Scan::new(points, descriptors).unwrap())
-    });
-    scans.collect()
+    files.iter().map(|files| files.read()).collect()
 }

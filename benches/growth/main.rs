@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Sizes that are not measured again keep their rows. Every measurement has a process of its own with
-//! one thread, which is handed the data ready made, so that its peak is that of the measured call.
+//! one thread, which is given the data, so that its peak is that of the measured call.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 

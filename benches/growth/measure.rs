@@ -7,7 +7,7 @@ use std::time::Instant;
 use gmpcr::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use gmpcr::posegraph::{PoseEdge, PoseGraph};
 use gmpcr::sync::{SyncParams, synchronize};
-use gmpcr::{Descriptors, Params, Scan, register};
+use gmpcr::{Descriptors, Params, Scan, Stage, register};
 use gmpcr_sim::SimulatedPoseGraph;
 
 /// Makes this program the child that measures.
@@ -48,7 +48,7 @@ fn registration(scans: &[Scan], what: &str) {
     params.retrieval.min_scans = if what == "retrieval" { 0 } else { usize::MAX };
     let (registration, cost) = measured(|| register(scans, &params).unwrap());
     let times = &registration.times;
-    let scoring_ratio = times.scoring.as_secs_f64() / times.total().as_secs_f64();
+    let scoring_ratio = times.of(Stage::Scoring).as_secs_f64() / times.total().as_secs_f64();
     let num_pairs = registration.confidences.pairs().len();
     print(num_pairs, &cost, Some(cost.seconds * scoring_ratio));
 }
@@ -59,7 +59,7 @@ fn synchronization(graph: &PoseGraph, what: &str) {
         method: what.split(' ').next().unwrap().parse().unwrap(),
         ..SyncParams::default()
     };
-    let (_, cost) = measured(|| synchronize(graph, &params));
+    let (_, cost) = measured(|| synchronize(graph, &params).unwrap());
     print(graph.edges().len(), &cost, None);
 }
 

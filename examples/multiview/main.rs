@@ -1,64 +1,44 @@
-//! Registers many scans at once.
+//! Registers many scans at once and, where the ground truth is known, says how well.
 //!
 //! ```text
-//! cargo run --release --example multiview                         # simulated scans
-//! cargo run --release --example multiview -- FOLDER               # PLY or PCD scans of a folder
+//! cargo run --release --example multiview                               # simulated scans
+//! cargo run --release --example multiview -- FOLDER                     # scans of a folder
 //! cargo run --release --example multiview -- FOLDER --descriptors DIR   # learned descriptors
 //! ```
 //!
-//! Prints the stage times, the edges and, where the truth is known, recalls and errors; writes the
-//! merged cloud and the poses. All results, and other formats, are those of the program `gmpcr`.
+//! Prints a summary with the time of each stage, warnings and recalls, and writes the merged cloud and the
+//! poses. All other results are those of the program `gmpcr`.
 
-mod evaluation;
+mod ground_truth;
 mod input;
-mod output;
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
 
 use clap::Parser;
-use gmpcr::sync::Method;
-use gmpcr::{Params, Preset, Registration, register};
-use gmpcr_examples::{positive, report};
+use gmpcr::io::{ColoredCloud, Coordinates, distinct_color, write_merged_ply, write_poses_3x4};
+use gmpcr::{Preset, Registration, ScanSet, register};
 
-use evaluation::print_evaluation;
+use ground_truth::print_recalls;
 use input::Input;
-use output::write_results;
 
 #[derive(Parser)]
 #[command(about = "Registers many scans at once; simulates them where no folder is given")]
 struct Arguments {
-    /// Folder of .ply or .pcd scans, each in its own frame with the sensor at the origin.
+    /// Folder of scans, each in its own frame, with or without ground truth.
     folder: Option<PathBuf>,
     /// Folder of <name>.kpts.npy (n×3) and <name>.desc.npy (n×d), one pair per scan in the order
     /// of the scans, instead of FPFH.
     #[arg(long, requires = "folder", value_name = "DIR")]
     descriptors: Option<PathBuf>,
-    /// Voxel size in the unit of the scans. Radii of normals and FPFH are 2 and 5 voxels, and the
-    /// tolerances of compatibility and inliers 2.
-    #[arg(long, default_value_t = 0.05, value_parser = positive, allow_hyphen_values = true)]
+    /// Voxel size in the unit of the scans. All other lengths follow from it.
+    #[arg(long, default_value_t = 0.05)]
     voxel: f64,
-    /// Parameters of the paper for one of its datasets: threedmatch, threedlomatch, scannet or eth.
+    /// Parameters of the paper for one of its data sets: threedmatch, threedlomatch, scannet or eth.
     #[arg(long, default_value = "threedmatch")]
     preset: Preset,
-    /// Keypoints per scan, instead of the preset's.
-    #[arg(long)]
-    samples: Option<usize>,
-    /// Share of the correspondences that the spectral filter retains, instead of the preset's.
-    #[arg(long)]
-    retained: Option<f64>,
-    /// Neighbours that each scan proposes as edges, instead of the preset's.
-    #[arg(long)]
-    neighbors: Option<usize>,
-    /// How edges are synchronised, instead of the preset's adaptive history: no-recovery, sghr,
-    /// memoryless, eigse3, l1, l1-irls, rotavg-lhalf, hara or consensus.
-    #[arg(long)]
-    method: Option<Method>,
-    /// Where to write merged.ply and poses.txt.
-    #[arg(long, default_value = "out", value_name = "DIR")]
-    out: PathBuf,
     /// Number of simulated scans.
     #[arg(long, default_value_t = 24, conflicts_with = "folder")]
     scans: usize,
@@ -68,78 +48,66 @@ struct Arguments {
     /// Seed of the simulation.
     #[arg(long, default_value_t = 7, conflicts_with = "folder")]
     seed: u64,
-}
-
-impl Arguments {
-    fn params(&self) -> Params {
-        let mut params = self.preset.params().with_tolerance(2.0 * self.voxel);
-        if let Some(samples) = self.samples {
-            params.correspondence.num_samples = samples;
-        }
-        if let Some(retained) = self.retained {
-            params.compatibility.retained_fraction = retained;
-        }
-        if let Some(neighbors) = self.neighbors {
-            params.posegraph.neighbors = neighbors;
-        }
-        if let Some(method) = self.method {
-            params.sync.method = method;
-        }
-        params
-    }
+    /// Where to write merged.ply and poses.txt.
+    #[arg(long, default_value = "out", value_name = "DIR")]
+    out: PathBuf,
 }
 
 fn main() -> ExitCode {
-    report(run(&Arguments::parse()))
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let params = arguments.params();
-    params.validate()?;
-    let input = match &arguments.folder {
-        Some(folder) => Input::read(folder, arguments.descriptors.as_deref(), arguments.voxel)?,
-        None => Input::simulate(
-            arguments.scans,
-            arguments.rooms,
-            arguments.seed,
-            arguments.voxel,
-        )?,
+    let Input { set, ground_truth } = match &arguments.folder {
+        Some(folder) => Input::read(folder, arguments)?,
+        None => Input::simulate(arguments)?,
     };
-    let start = Instant::now();
-    let registration = register(&input.scans, &params)?;
-    println!("registered in {:.3} s", start.elapsed().as_secs_f64());
-    print_summary(&registration);
-    let num_written = write_results(&arguments.out, &input.clouds, &registration)?;
-    print_evaluation(&input.truth, &registration)?;
-    println!(
-        "\nwrote merged.ply and poses.txt with the {num_written} scans of the largest component to {}",
-        arguments.out.display()
-    );
-    Ok(())
+    let params = arguments.preset.params().with_voxel_size(arguments.voxel);
+    let registration = set.in_cloud_frames(register(&set.scans, &params)?);
+    print_summary(&set, &registration);
+    for (scan, problem) in set.problems.iter().enumerate() {
+        if let Some(problem) = problem {
+            println!("warning: scan {scan} has no features: {problem}");
+        }
+    }
+    for warning in registration.warnings(&params) {
+        println!("warning: {warning}");
+    }
+    if !ground_truth.is_empty() {
+        print_recalls(&ground_truth, &registration)?;
+    }
+    write(&arguments.out, &set, &registration)
 }
 
-fn print_summary(registration: &Registration) {
-    println!("\nstage                   time");
-    for (stage, time) in registration.times.stages() {
+fn print_summary(set: &ScanSet, registration: &Registration) {
+    for (stage, time) in set.times.stages().chain(registration.times.stages()) {
         println!("{stage:<18} {:>7.1} ms", time.as_secs_f64() * 1e3);
     }
-    let num_scans = registration.world_from_scan.len();
-    let largest = registration.components.largest().len();
-    println!("\nscans              {num_scans:>7}");
-    println!(
-        "pairs scored       {:>7}",
-        registration.confidences.pairs().len()
-    );
-    println!("edges              {:>7}", registration.evidence.len());
-    println!("without a motion   {:>7}", registration.unresolved.len());
-    let half_lost = |e: &&gmpcr::EdgeEvidence| e.final_weight < 0.5 * e.initial_weight;
-    println!(
-        "mostly distrusted  {:>7}",
-        registration.evidence.iter().filter(half_lost).count()
-    );
-    println!(
-        "components         {:>7}",
-        registration.components.members().len()
-    );
-    println!("largest component  {:>7} scans", largest);
+    let components = &registration.components;
+    println!("\nscans              {:>7}", set.scans.len());
+    println!("edges              {:>7}", registration.edges.len());
+    println!("components         {:>7}", components.members().len());
+    println!("largest component  {:>7} scans", components.largest().len());
+}
+
+/// Writes cloud and poses of the largest component, whose scans share a frame.
+fn write(folder: &Path, set: &ScanSet, registration: &Registration) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(folder)?;
+    let poses = registration.indexed_poses();
+    write_poses_3x4(folder.join("poses.txt"), &poses)?;
+    let cloud_from_local = set.cloud_from_local();
+    let merged = poses.iter().map(|&(scan, world_from_scan)| ColoredCloud {
+        points: &set.clouds[scan].points,
+        world_from_points: world_from_scan * cloud_from_local[scan],
+        color: distinct_color(scan),
+    });
+    write_merged_ply(folder.join("merged.ply"), Coordinates::Double, merged)?;
+    println!("\nmerged.ply and poses.txt are in {}", folder.display());
+    Ok(())
 }

@@ -33,7 +33,7 @@ pub struct Arguments {
     /// others from seeded random ones.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub runs: u32,
-    /// Seed of sampling starts, subsets of views and simulated pose graphs.
+    /// Seed of sampling starts, subsets of scans and simulated pose graphs.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Voxel size for FPFH in meters; tolerances are two voxels.

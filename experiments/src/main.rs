@@ -14,7 +14,6 @@ mod arguments;
 mod experiment;
 mod failure;
 mod figures;
-mod methods;
 mod progress;
 mod records;
 mod reference;

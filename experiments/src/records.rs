@@ -12,7 +12,7 @@ use gmpcr_io::write_text;
 /// One figure: what was run, in which of several runs, what was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// Row of a table: a method, a number of views, ...
+    /// Row of a table: a method, a number of scans, ...
     pub configuration: String,
     /// Number of the run.
     pub run: usize,
@@ -101,7 +101,7 @@ impl Store {
         let records = parse(&text);
         if records.is_none() {
             let file = file.display();
-            eprintln!("{file} is not a file of records: it is made again");
+            eprintln!("{file} is not a file of records: it is written anew");
         }
         records.filter(|_| text.lines().next() == Some(&self.first_line(unit)))
     }

@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::records::Record;
-use crate::scene::{MatchList, Scene};
+use crate::scene::{GroundTruthList, Scene};
 
 /// Scans reduced to their samples, from which registration takes all. Run 0 starts the sampling as
 /// the method does, at the descriptor farthest from the mean; other runs start anywhere.
@@ -99,7 +99,7 @@ impl Judge<'_> {
         let mut records = Vec::new();
         for list in &self.scene.lists {
             let wanted = list.pairs.iter().filter(|pair| is_wanted(pair.i, pair.j));
-            let wanted = MatchList {
+            let wanted = GroundTruthList {
                 name: list.name.clone(),
                 pairs: wanted.copied().collect(),
                 ..*list
@@ -128,7 +128,7 @@ impl Judge<'_> {
 
     fn recall(
         &self,
-        list: &MatchList,
+        list: &GroundTruthList,
         protocol: Protocol,
         poses: &WorldPoses,
         records: &mut Vec<Record>,

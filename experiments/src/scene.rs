@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
 use gmpcr::features::FeatureParams;
-use gmpcr::{Descriptors, Params, Scan, describe_clouds};
+use gmpcr::{Params, Scan, compute_scan};
 use gmpcr_eval::{GroundTruthPair, Protocol};
-use gmpcr_io::{DescriptorFiles, Layout, PairList, read_points};
-use nalgebra::{DMatrix, Isometry3, Matrix6, Point3};
+use gmpcr_io::{Layout, PairList, read_points};
+use nalgebra::{DMatrix, Point3};
+use rayon::prelude::*;
 
 use crate::arguments::Arguments;
 use crate::failure::Failure;
@@ -50,11 +51,11 @@ pub struct Scene {
     /// The paper's parameters for data of this layout, the main ones first.
     pub presets: Vec<(&'static str, Params)>,
     /// Pairs whose relative pose is known, list by list.
-    pub lists: Vec<MatchList>,
+    pub lists: Vec<GroundTruthList>,
     /// Overlap of all pairs, in [0, 1]; empty if it is not known.
     pub overlap: Option<DMatrix<f64>>,
-    /// Time it took to compute the descriptors; zero where they were read.
-    pub description: Duration,
+    /// Time that the features took; zero where descriptors were read.
+    pub feature_time: Duration,
     /// Names the random numbers of this scene.
     pub seed: u64,
     /// Registrations that several experiments use.
@@ -69,7 +70,7 @@ impl Scene {
 }
 
 /// One list of pairs to judge.
-pub struct MatchList {
+pub struct GroundTruthList {
     pub name: String,
     /// What judges recall; none where pairs within 15° and 0.3 m count as registered.
     pub protocol: Option<Protocol>,
@@ -115,8 +116,8 @@ impl Sources {
             Ok(read) => read,
             Err(error) => return self.failures.push(format!("{name}: {error}")),
         };
-        let known = &files.truth;
-        if known.match_lists.is_empty() && known.world_from_scan.is_none() {
+        let known = &files.ground_truth;
+        if known.pair_lists.is_empty() && known.world_from_scan.is_none() {
             self.notes.push(format!(
                 "{name}: neither pairs nor poses are known, so nothing is judged"
             ));
@@ -224,24 +225,25 @@ impl SceneSource {
     /// Reads, and where need be computes, points and descriptors.
     pub fn load(&self, arguments: &Arguments) -> Result<Scene, Failure> {
         let start = Instant::now();
-        let (scans, description) = match self.descriptors {
+        let (scans, feature_time) = match self.descriptors {
             DescriptorKind::Learned => (self.learned_scans()?, Duration::ZERO),
             DescriptorKind::Fpfh => {
                 let clouds = self.clouds()?;
                 check_extent(&clouds, arguments.voxel)?;
                 let reading = start.elapsed();
                 let params = FeatureParams::from_voxel_size(arguments.voxel);
-                let scans = describe_clouds(&clouds, &params)?;
+                let scans = clouds.par_iter().map(|cloud| compute_scan(cloud, &params));
+                let scans = scans.collect::<Result<_, _>>()?;
                 (scans, start.elapsed() - reading)
             }
         };
         Ok(Scene {
-            lists: self.lists(),
+            lists: self.lists()?,
             presets: self.presets(arguments),
             seed: hash(self.name()) ^ arguments.seed,
             overlap: self.overlap(),
             scans,
-            description,
+            feature_time,
             registrations: Registrations::default(),
         })
     }
@@ -257,16 +259,20 @@ impl SceneSource {
             ],
         };
         let at_voxel =
-            |(name, params): (_, Params)| (name, params.with_tolerance(2.0 * arguments.voxel));
+            |(name, params): (_, Params)| (name, params.with_voxel_size(arguments.voxel));
         presets.into_iter().map(at_voxel).collect()
     }
 
     /// The lists of pairs; where there is none, all pairs of known poses.
-    fn lists(&self) -> Vec<MatchList> {
-        let known = &self.files.truth;
+    fn lists(&self) -> Result<Vec<GroundTruthList>, gmpcr_eval::Error> {
+        let known = &self.files.ground_truth;
         match &known.world_from_scan {
-            Some(poses) if known.match_lists.is_empty() => vec![all_pairs(poses)],
-            _ => known.match_lists.iter().map(match_list).collect(),
+            Some(poses) if known.pair_lists.is_empty() => Ok(vec![GroundTruthList {
+                name: "poses".to_owned(),
+                protocol: None,
+                pairs: GroundTruthPair::all_pairs(poses),
+            }]),
+            _ => known.pair_lists.iter().map(ground_truth_list).collect(),
         }
     }
 
@@ -283,13 +289,13 @@ impl SceneSource {
     fn learned_scans(&self) -> Result<Vec<Scan>, Failure> {
         let files = self.files.scans.iter();
         let files = files.filter_map(|scan| scan.descriptors.as_ref());
-        files.map(learned_scan).collect()
+        files.map(|files| Ok(files.read()?)).collect()
     }
 
     fn overlap(&self) -> Option<DMatrix<f64>> {
         let num_scans = self.files.scans.len();
         let mut matrix = DMatrix::identity(num_scans, num_scans);
-        for pair in self.files.truth.overlaps.as_ref()? {
+        for pair in self.files.ground_truth.overlaps.as_ref()? {
             matrix[(pair.i, pair.j)] = pair.overlap;
             matrix[(pair.j, pair.i)] = pair.overlap;
         }
@@ -297,50 +303,16 @@ impl SceneSource {
     }
 }
 
-fn learned_scan(files: &DescriptorFiles) -> Result<Scan, Failure> {
-    let (points, read) = files.read()?;
-    Ok(Scan::new(
-        points,
-        Descriptors::new(read.values, read.dimension)?,
-    )?)
-}
-
-fn match_list(list: &PairList) -> MatchList {
-    let information = |k: usize| match &list.information {
-        Some(matrices) => matrices[k],
-        None => Matrix6::zeros(),
-    };
-    let pairs = list.pairs.iter().enumerate();
-    let pairs = pairs.map(|(k, pair)| GroundTruthPair {
-        i: pair.i,
-        j: pair.j,
-        i_from_j: pair.i_from_j,
-        information: information(k),
-    });
-    MatchList {
+fn ground_truth_list(list: &PairList) -> Result<GroundTruthList, gmpcr_eval::Error> {
+    let pairs = list
+        .pairs
+        .iter()
+        .map(|pair| (pair.i, pair.j, pair.i_from_j));
+    Ok(GroundTruthList {
         name: list.name.clone(),
         protocol: Protocol::of_list(&list.name, list.information.is_some()),
-        pairs: pairs.collect(),
-    }
-}
-
-/// All pairs of scans with a known pose, as the protocol of ScanNet has it.
-fn all_pairs(world_from_scan: &[Option<Isometry3<f64>>]) -> MatchList {
-    let n = world_from_scan.len();
-    let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
-    let pairs = pairs.filter_map(|(i, j)| {
-        Some(GroundTruthPair {
-            i,
-            j,
-            i_from_j: world_from_scan[i]?.inv_mul(&world_from_scan[j]?),
-            information: Matrix6::zeros(),
-        })
-    });
-    MatchList {
-        name: "poses".to_owned(),
-        protocol: None,
-        pairs: pairs.collect(),
-    }
+        pairs: GroundTruthPair::of_list(pairs, list.information.as_deref())?,
+    })
 }
 
 /// FNV-1a.

@@ -48,7 +48,7 @@ fn write_scene(folder: &Path) -> Vec<Isometry3<f64>> {
             log.push(LogEntry {
                 i,
                 j,
-                num_fragments: NUM_SCANS,
+                num_scans: NUM_SCANS,
                 i_from_j,
             });
         }
@@ -103,7 +103,7 @@ fn a_broken_scene_is_named_the_others_go_on_and_a_second_run_resumes() {
         "### In the paper: registration recall (%)",
         "### Ablation, recall (%), list gt, fpfh descriptors",
         "### Synchronization methods on the same pose graphs",
-        "### Recall (%) over the number of views",
+        "### Recall (%) over the number of scans",
         "### Retrieval of overlapping pairs",
         "### Connectivity over K",
         "### Time per stage",

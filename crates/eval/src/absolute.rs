@@ -22,7 +22,7 @@ pub enum Gauge {
 
 /// Errors of absolute poses after the estimated world is aligned with the ground truth.
 ///
-/// Poses are known up to a common rigid transformation (R, t), the gauge, which is retransformed by the best fit.
+/// Poses are known up to a common rigid transformation (R, t), the gauge, which the best fit removes.
 /// Unlike a fit to the positions alone, this is unique also where all scans stand in a line. Each
 /// error compares `(R, t) · (R̂_k, t̂_k)` with the pose (R_k, t_k) of the ground truth.
 ///

@@ -6,7 +6,7 @@
 //! | question | item |
 //! |---|---|
 //! | which scan has which pose, which scans share a frame | [`WorldPoses`] |
-//! | which pairs have a known relative pose | [`GroundTruthPair`] |
+//! | which pairs have a known relative pose | [`GroundTruthPair::of_list`], [`GroundTruthPair::all_pairs`] |
 //! | which protocol judges a list of pairs | [`Protocol::of_list`] |
 //! | ratio of registered pairs, 3DMatch and 3DLoMatch | [`registration_recall`], [`pairwise_recall`] |
 //! | the same for scenes without official matrices | [`information_matrix`], [`registration_error`] |

@@ -289,7 +289,7 @@ fn no_recovery_is_the_adaptive_history_with_a_recovery_of_zero() {
 fn random_graph(outlier_ratio: f64, seed: u64) -> (Vec<Isometry3<f64>>, PoseGraph) {
     simulated(&PoseGraphSimParams {
         seed,
-        outlier_share: outlier_ratio,
+        outlier_ratio,
         ..PoseGraphSimParams::default()
     })
 }

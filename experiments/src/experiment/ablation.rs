@@ -3,15 +3,14 @@
 
 use std::collections::BTreeSet;
 
-use gmpcr::posegraph::{PoseGraph, PoseGraphError};
-use gmpcr::sync::{Method, SyncParams};
+use gmpcr::posegraph::{PoseGraph, PoseGraphParams};
+use gmpcr::sync::{Method, SyncParams, synchronize};
 use gmpcr::{Registration, register};
 use rayon::prelude::*;
 
 use super::recall::{lists, recall_table};
 use crate::arguments::Arguments;
 use crate::failure::Failure;
-use crate::methods::{sghr, synchronized, without_recovery};
 use crate::records::{Record, Selection};
 use crate::registering::{Judge, registered, sampled, world_poses};
 use crate::scene::Scene;
@@ -26,7 +25,7 @@ pub const ROWS: [&str; 5] = [
 ];
 
 /// Methods that the paper's table has.
-const METHODS_OF_ROWS: [&str; 3] = ["adaptive", "no-recovery", "sghr"];
+const METHODS_OF_ROWS: [Method; 3] = [Method::Adaptive, Method::NoRecovery, Method::Sghr];
 
 /// What SGHR's authors use.
 const SGHR_ITERATIONS: usize = 50;
@@ -42,8 +41,8 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure>
         let found = registered(scene, full, run)?;
         let scans = sampled(scene, &without, run);
         let unselected = register(&scans, &without)?;
-        let (graph, complete_graph) = (&found.graph, &unselected.graph);
-        let unfiltered_graph = &selected_part(&unselected, full.posegraph.neighbors)?;
+        let (graph, complete_graph) = (&found.pose_graph(), &unselected.pose_graph());
+        let unfiltered_graph = &selected_part(&unselected, complete_graph, &full.posegraph)?;
 
         let sync = |method| SyncParams {
             method,
@@ -51,18 +50,18 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure>
         };
         let longer = SyncParams {
             iterations: SGHR_ITERATIONS,
-            ..sync(sghr())
+            ..sync(Method::Sghr)
         };
         let mut rows = vec![
-            (ROWS[0], complete_graph, sync(sghr())),
-            (ROWS[1], unfiltered_graph, sync(sghr())),
-            (ROWS[2], graph, sync(sghr())),
-            (ROWS[3], graph, without_recovery(&full.sync)),
+            (ROWS[0], complete_graph, sync(Method::Sghr)),
+            (ROWS[1], unfiltered_graph, sync(Method::Sghr)),
+            (ROWS[2], graph, sync(Method::Sghr)),
+            (ROWS[3], graph, sync(Method::NoRecovery)),
             (ROWS[4], graph, full.sync.clone()),
             ("sghr, 50 iterations", graph, longer),
         ];
         let methods = Method::ALL.iter().copied();
-        let others = methods.filter(|method| !METHODS_OF_ROWS.contains(&method.name()));
+        let others = methods.filter(|method| !METHODS_OF_ROWS.contains(method));
         rows.extend(others.map(|method| (method.name(), graph, sync(method))));
         records.extend(judge_rows(scene, run, &rows)?);
     }
@@ -70,27 +69,34 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure>
 }
 
 /// The edges of a registration of all pairs that a selection by confidence would have kept.
-fn selected_part(unselected: &Registration, neighbors: usize) -> Result<PoseGraph, PoseGraphError> {
+fn selected_part(
+    unselected: &Registration,
+    complete_graph: &PoseGraph,
+    params: &PoseGraphParams,
+) -> Result<PoseGraph, Failure> {
     let confidences = &unselected.confidences;
     let ends = |position: usize| {
         let pair = &confidences.pairs()[position];
         (pair.i, pair.j)
     };
     let selected: BTreeSet<_> = confidences
-        .top_k_union(neighbors)
+        .top_k_union(params)?
         .into_iter()
         .map(ends)
         .collect();
-    let edges = unselected.graph.edges().iter();
+    let edges = complete_graph.edges().iter();
     let kept = edges.filter(|edge| selected.contains(&(edge.i, edge.j)));
-    PoseGraph::new(confidences.num_scans(), kept.copied().collect())
+    Ok(PoseGraph::new(
+        confidences.num_scans(),
+        kept.copied().collect(),
+    )?)
 }
 
 type Row<'a> = (&'a str, &'a PoseGraph, SyncParams);
 
 fn judge_rows(scene: &Scene, run: usize, rows: &[Row]) -> Result<Vec<Record>, Failure> {
     let judge = |(configuration, graph, params): &Row| {
-        let found = synchronized(graph, params)?;
+        let found = synchronize(graph, params)?;
         let poses = world_poses(&found.world_from_scan, &found.components);
         let judge = Judge {
             scene,

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use gmpcr::posegraph::{Connectivity, PairConfidences};
+use gmpcr::posegraph::{Connectivity, InvalidParameter, PairConfidences, PoseGraphParams};
 use gmpcr_eval::ConnectivitySummary;
 
 use crate::failure::Failure;
@@ -23,7 +23,7 @@ pub fn run(scene: &Scene) -> Result<Vec<Record>, Failure> {
         let confidences = &registered(scene, params, 0)?.confidences;
         for k in 1..=MAX_NEIGHBORS {
             let configuration = format!("{preset}{K}{k}");
-            let figures = connectivity(confidences, k);
+            let figures = connectivity(confidences, k)?;
             let record = |metric, value| Record::new(&configuration, 0, metric, value);
             records.extend([
                 record("components", figures.num_components as f64),
@@ -47,16 +47,19 @@ fn presets(records: &Selection) -> Vec<String> {
         .collect()
 }
 
-fn connectivity(confidences: &PairConfidences, k: usize) -> Connectivity {
+fn connectivity(
+    confidences: &PairConfidences,
+    neighbors: usize,
+) -> Result<Connectivity, InvalidParameter> {
     let pair = |position: usize| {
         (
             confidences.pairs()[position].i,
             confidences.pairs()[position].j,
         )
     };
-    let selected = confidences.top_k_union(k);
+    let selected = confidences.top_k_union(&PoseGraphParams { neighbors })?;
     let edges: Vec<_> = selected.into_iter().map(pair).collect();
-    Connectivity::new(confidences.num_scans(), &edges, 0)
+    Ok(Connectivity::new(confidences.num_scans(), &edges, 0))
 }
 
 pub fn report(

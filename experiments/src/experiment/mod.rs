@@ -25,7 +25,7 @@ pub enum Experiment {
     Recall,
     /// The method without its parts, and other synchronization methods on the same graphs.
     Ablation,
-    /// Recall over the number of views.
+    /// Recall over the number of scans, the views of the paper.
     Views,
     /// Confidence against overlap: R@K, regret, deciles; spectral response against inliers: AUC.
     Retrieval,

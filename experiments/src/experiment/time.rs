@@ -11,24 +11,19 @@ use crate::records::{Record, Selection};
 use crate::scene::Scene;
 use crate::table::{Table, number};
 
-const DESCRIPTION: &str = "normals and FPFH";
 const CONFIGURATION: &str = "main preset";
+/// The stage before the registration.
+const FEATURES: &str = "features";
 const NUM_SCANS: &str = "scans";
 
 pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure> {
     let mut records = vec![
         Record::new(CONFIGURATION, 0, NUM_SCANS, scene.scans.len() as f64),
-        Record::new(
-            CONFIGURATION,
-            0,
-            DESCRIPTION,
-            scene.description.as_secs_f64(),
-        ),
+        Record::new(CONFIGURATION, 0, FEATURES, scene.feature_time.as_secs_f64()),
     ];
     for run in 0..arguments.runs as usize {
         let found = register(&scene.scans, scene.main_params())?;
-        let stages = found.times.stages().into_iter();
-        records.extend(stages.map(|(stage, time)| {
+        records.extend(found.times.stages().map(|(stage, time)| {
             Record::new(CONFIGURATION, run, stage.name(), time.as_secs_f64())
         }));
     }

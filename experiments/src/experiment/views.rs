@@ -1,11 +1,11 @@
-//! Recall over the number of views registered at once (paper, table "Registration recall under
+//! Recall over the number of scans that are registered at once (paper, table "Registration recall under
 //! increasing numbers of views"): seeded random subsets of each scene.
 
 use std::path::Path;
 
 use gmpcr::posegraph::{Components, PoseGraph};
 use gmpcr::register;
-use gmpcr::sync::{Method, SyncParams};
+use gmpcr::sync::{Method, SyncParams, synchronize};
 use gmpcr_eval::WorldPoses;
 use nalgebra::Isometry3;
 use rand::seq::index::sample;
@@ -14,17 +14,17 @@ use super::recall::lists;
 use crate::arguments::Arguments;
 use crate::failure::Failure;
 use crate::figures::{Panel, Series, write_figure};
-use crate::methods::{sghr, synchronized};
 use crate::records::{Record, Selection};
 use crate::registering::{Judge, generator, registered, sampled};
 use crate::scene::Scene;
 use crate::table::{Table, percent};
 
-const NUM_VIEWS: [usize; 5] = [10, 20, 30, 40, 50];
+/// Sizes of the subsets.
+const SIZES: [usize; 5] = [10, 20, 30, 40, 50];
 const ALL: &str = "all";
-/// The number of views as a metric.
-const VIEWS: &str = "views";
-const METHODS: [&str; 3] = ["adaptive", "sghr", "consensus"];
+/// The number of scans as a metric.
+const NUM_SCANS: &str = "scans";
+const METHODS: [Method; 3] = [Method::Adaptive, Method::Sghr, Method::Consensus];
 
 pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure> {
     let num_scans = scene.scans.len();
@@ -32,77 +32,77 @@ pub fn run(scene: &Scene, arguments: &Arguments) -> Result<Vec<Record>, Failure>
     let mut records = Vec::new();
     for run in 0..arguments.runs as usize {
         let scans = sampled(scene, params, run);
-        for count in NUM_VIEWS.into_iter().filter(|&count| count < num_scans) {
-            let views = random_views(scene, run, count);
-            let subset: Vec<_> = views.iter().map(|&view| scans[view].clone()).collect();
-            let graph = register(&subset, params)?.graph;
+        for count in SIZES.into_iter().filter(|&count| count < num_scans) {
+            let subset = random_subset(scene, run, count);
+            let chosen: Vec<_> = subset.iter().map(|&scan| scans[scan].clone()).collect();
+            let graph = register(&chosen, params)?.pose_graph();
             records.extend(judge_methods(
                 scene,
                 run,
                 &count.to_string(),
-                &views,
+                &subset,
                 &graph,
             )?);
         }
         let all: Vec<usize> = (0..num_scans).collect();
-        let graph = &registered(scene, params, run)?.graph;
+        let graph = &registered(scene, params, run)?.pose_graph();
         records.extend(judge_methods(scene, run, ALL, &all, graph)?);
     }
     Ok(records)
 }
 
 /// Ascending scans, drawn anew in each run.
-fn random_views(scene: &Scene, run: usize, count: usize) -> Vec<usize> {
+fn random_subset(scene: &Scene, run: usize, count: usize) -> Vec<usize> {
     let num_scans = scene.scans.len();
     // Purposes up to the number of scans are taken by the sampling.
     let mut rng = generator(scene.seed, run, num_scans + count);
-    let mut views = sample(&mut rng, num_scans, count).into_vec();
-    views.sort_unstable();
-    views
+    let mut subset = sample(&mut rng, num_scans, count).into_vec();
+    subset.sort_unstable();
+    subset
 }
 
-/// The recall of each method on the graph of some views.
+/// The recall of each method on the graph of some scans.
 fn judge_methods(
     scene: &Scene,
     run: usize,
     label: &str,
-    views: &[usize],
+    subset: &[usize],
     graph: &PoseGraph,
 ) -> Result<Vec<Record>, Failure> {
     let sync = &scene.main_params().sync;
     let mut records = Vec::new();
-    for method in [sync.method, sghr(), Method::Consensus] {
+    for method in METHODS {
         let sync = SyncParams {
             method,
             ..sync.clone()
         };
-        let found = synchronized(graph, &sync)?;
+        let found = synchronize(graph, &sync)?;
         let (poses, components) = (&found.world_from_scan, &found.components);
-        let poses = poses_of_views(scene.scans.len(), views, poses, components);
+        let poses = poses_of_subset(scene.scans.len(), subset, poses, components);
         let configuration = format!("{} {label}", method.name());
         let judge = Judge {
             scene,
             configuration: &configuration,
             run,
         };
-        let count = views.len() as f64;
-        records.push(Record::new(&configuration, run, VIEWS, count));
-        let is_seen = |i, j| views.contains(&i) && views.contains(&j);
-        records.extend(judge.judge_pairs(&poses, is_seen)?);
+        let count = subset.len() as f64;
+        records.push(Record::new(&configuration, run, NUM_SCANS, count));
+        let is_in_subset = |i, j| subset.contains(&i) && subset.contains(&j);
+        records.extend(judge.judge_pairs(&poses, is_in_subset)?);
     }
     Ok(records)
 }
 
 /// Poses of all scans, of which only some were registered.
-fn poses_of_views(
+fn poses_of_subset(
     num_scans: usize,
-    views: &[usize],
-    world_from_view: &[Isometry3<f64>],
+    subset: &[usize],
+    world_from_scan: &[Isometry3<f64>],
     components: &Components,
 ) -> WorldPoses {
     let (mut poses, mut labels) = (vec![None; num_scans], vec![usize::MAX; num_scans]);
-    for (view, (&scan, pose)) in views.iter().zip(world_from_view).enumerate() {
-        (poses[scan], labels[scan]) = (Some(*pose), components.label(view));
+    for (node, (&scan, pose)) in subset.iter().zip(world_from_scan).enumerate() {
+        (poses[scan], labels[scan]) = (Some(*pose), components.label(node));
     }
     WorldPoses::new(poses, labels).expect("one label per pose")
 }
@@ -114,9 +114,9 @@ pub fn report(
     text: &mut String,
 ) -> Result<(), Failure> {
     let lists = lists(records);
-    let title = format!("Recall (%) over the number of views, {descriptors} descriptors");
+    let title = format!("Recall (%) over the number of scans, {descriptors} descriptors");
     let mut header = vec!["scenes, list, method".to_owned()];
-    header.extend(NUM_VIEWS.map(|count| count.to_string()));
+    header.extend(SIZES.map(|count| count.to_string()));
     header.push(ALL.to_owned());
     let mut table = Table::new(title, header);
     let large = Selection {
@@ -147,7 +147,7 @@ pub fn report(
 
 /// Scenes without the larger subsets would enter some columns and not others.
 fn has_all_subsets((_, records): &&(&str, &[Record])) -> bool {
-    let largest = format!("{} {}", METHODS[0], NUM_VIEWS[NUM_VIEWS.len() - 1]);
+    let largest = format!("{} {}", METHODS[0], SIZES[SIZES.len() - 1]);
     records.iter().any(|record| record.configuration == largest)
 }
 
@@ -156,7 +156,7 @@ fn add_rows(label: &str, records: &Selection, lists: &[String], table: &mut Tabl
     for list in lists {
         for method in METHODS {
             let mut row = vec![format!("{label}, {list}, {method}")];
-            let labels = NUM_VIEWS.map(|count| count.to_string());
+            let labels = SIZES.map(|count| count.to_string());
             let recall = |label: &str| records.mean_spread(&format!("{method} {label}"), list);
             row.extend(labels.iter().map(|label| percent(recall(label))));
             row.push(percent(recall(ALL)));
@@ -165,9 +165,9 @@ fn add_rows(label: &str, records: &Selection, lists: &[String], table: &mut Tabl
     }
 }
 
-/// Recall over the number of views, all views being the mean size of the scenes.
+/// Recall over the number of scans; all scans are the mean size of the scenes.
 fn panel(records: &Selection, list: &str) -> Panel {
-    let line = |method: &str| {
+    let line = |method: Method| {
         let mean = |label: &str, metric: &str| {
             Some(
                 records
@@ -175,17 +175,17 @@ fn panel(records: &Selection, list: &str) -> Panel {
                     .mean,
             )
         };
-        let subsets = NUM_VIEWS.map(|count| Some((count as f64, mean(&count.to_string(), list)?)));
-        let all = mean(ALL, VIEWS).and_then(|views| Some((views, mean(ALL, list)?)));
+        let subsets = SIZES.map(|count| Some((count as f64, mean(&count.to_string(), list)?)));
+        let all = mean(ALL, NUM_SCANS).and_then(|size| Some((size, mean(ALL, list)?)));
         let points = subsets.into_iter().chain([all]).flatten();
         Series::new(
-            method,
+            method.name(),
             points
-                .map(|(views, recall)| (views, 100.0 * recall))
+                .map(|(size, recall)| (size, 100.0 * recall))
                 .collect(),
         )
     };
-    Panel::new(list, "views", "registration recall (%)")
+    Panel::new(list, "scans", "registration recall (%)")
         .y_range(0.0, 100.0)
         .lines(&METHODS.map(line))
 }

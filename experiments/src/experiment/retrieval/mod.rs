@@ -7,7 +7,7 @@ mod responses;
 use std::path::PathBuf;
 
 use gmpcr::Params;
-use gmpcr::correspondence::{Keypoints, match_descriptors};
+use gmpcr::correspondence::{InvalidParameter, Keypoints, match_descriptors};
 use gmpcr_eval::retrieval;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -66,7 +66,7 @@ fn confidences(scene: &Scene, params: &Params) -> Result<DMatrix<f64>, Failure> 
 
 /// Number of mutual matches of every pair: what pairs could be ranked by without geometry.
 fn mutual_matches(scene: &Scene, params: &Params) -> Result<DMatrix<f64>, Failure> {
-    let keypoints = keypoints(scene, params);
+    let keypoints = keypoints(scene, params)?;
     let n = keypoints.len();
     let pairs: Vec<_> = (0..n)
         .flat_map(|i| (i + 1..n).map(move |j| (i, j)))
@@ -82,9 +82,8 @@ fn mutual_matches(scene: &Scene, params: &Params) -> Result<DMatrix<f64>, Failur
     Ok(matrix)
 }
 
-fn keypoints(scene: &Scene, params: &Params) -> Vec<Keypoints> {
-    let num_samples = params.correspondence.num_samples;
-    let sample = |scan| Keypoints::sample(scan, num_samples);
+fn keypoints(scene: &Scene, params: &Params) -> Result<Vec<Keypoints>, InvalidParameter> {
+    let sample = |scan| Keypoints::sample(scan, &params.correspondence);
     scene.scans.par_iter().map(sample).collect()
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use gmpcr::Params;
 use gmpcr::compatibility::{CompatibilityGraph, DominantEigenpair};
-use gmpcr::correspondence::{Keypoints, correspondences};
+use gmpcr::correspondence::{CorrespondenceError, Keypoints, correspondences};
 use gmpcr_eval::{GroundTruthPair, auc};
 use rayon::prelude::*;
 
@@ -29,7 +29,7 @@ pub fn run(scene: &Scene) -> Result<Vec<Record>, Failure> {
         let last = scene.presets.len() - 1;
         let place = if list.name == LOW_OVERLAP { last } else { 0 };
         let (_, params) = &scene.presets[place];
-        let keypoints = keypoints(scene, params);
+        let keypoints = keypoints(scene, params)?;
         let judge = |pair: &GroundTruthPair| judged_responses(&keypoints, pair, params);
         let judged: Result<Vec<_>, _> = list.pairs.par_iter().map(judge).collect();
         records.extend(list_records(&list.name, judged?.as_slice())?);
@@ -72,9 +72,9 @@ fn judged_responses(
     keypoints: &[Keypoints],
     ground_truth: &GroundTruthPair,
     params: &Params,
-) -> Result<JudgedResponses, gmpcr::correspondence::DimensionsDiffer> {
-    let max = params.correspondence.max_correspondences;
-    let pairs = correspondences(&keypoints[ground_truth.i], &keypoints[ground_truth.j], max)?;
+) -> Result<JudgedResponses, CorrespondenceError> {
+    let [i, j] = [ground_truth.i, ground_truth.j].map(|scan| &keypoints[scan]);
+    let pairs = correspondences(i, j, &params.correspondence)?;
     let graph = CompatibilityGraph::new(&pairs, params.compatibility.tolerance);
     let response = DominantEigenpair::new(graph.scg()).vector;
     let largest = response.iter().copied().fold(f64::MIN_POSITIVE, f64::max);

@@ -7,7 +7,7 @@ mod report;
 use std::fs;
 use std::time::Instant;
 
-use gmpcr::sync::{Method, SyncParams};
+use gmpcr::sync::{Method, SyncParams, synchronize};
 use gmpcr_eval::{Gauge, PoseError, absolute_errors};
 use gmpcr_sim::PoseGraphSimParams;
 use nalgebra::Isometry3;
@@ -16,7 +16,6 @@ use rayon::prelude::*;
 
 use crate::arguments::Arguments;
 use crate::failure::Failure;
-use crate::methods::synchronized;
 use crate::progress::Progress;
 use crate::records::{Record, Store, Unit};
 use crate::registering::generator;
@@ -139,7 +138,7 @@ fn run_method(problem: &Problem, method: Method, run: usize) -> Result<Vec<Recor
         ..SyncParams::default()
     };
     let start = Instant::now();
-    let found = synchronized(&problem.graph, &params)?;
+    let found = synchronize(&problem.graph, &params)?;
     let seconds = start.elapsed().as_secs_f64();
     let mut errors = Vec::new();
     for scans in found.components.members() {
@@ -198,7 +197,7 @@ mod tests {
             ours.iter()
                 .filter(move |r| r.configuration == method.name())
         };
-        for &method in Method::ALL.iter() {
+        for &method in Method::ALL {
             let error = of_method(method)
                 .find(|r| r.metric == "rotation mean")
                 .unwrap();
