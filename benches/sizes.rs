@@ -180,15 +180,15 @@ fn pipeline(criterion: &mut Criterion) {
         });
         let (last, others) = scans.split_last().unwrap();
         let mut known = IncrementalRegistration::new(params.clone()).unwrap();
-        known.add(others, &()).unwrap();
-        known.register(&()).unwrap();
+        known.add(others).unwrap();
+        known.register().unwrap();
         group.throughput(Throughput::Elements((num_scans - 1) as u64));
         group.bench_function(BenchmarkId::new("one more scan", num_scans), |bencher| {
             bencher.iter_batched(
                 || known.clone(),
                 |mut known| {
-                    known.add(std::slice::from_ref(last), &()).unwrap();
-                    known.register(&()).unwrap()
+                    known.add(std::slice::from_ref(last)).unwrap();
+                    known.register().unwrap()
                 },
                 criterion::BatchSize::LargeInput,
             );

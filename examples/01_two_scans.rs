@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
 
     // How well each direction is determined, for a pose graph of your own.
-    let information = pair.information(params.cliques.inlier_threshold);
+    let information = pair.information();
     println!(
         "information (translation, rotation):\n{:.0}",
         information.unwrap_or_default()
@@ -59,9 +59,5 @@ fn simulated() -> Result<Vec<Cloud>, Box<dyn Error>> {
     let scans = simulate(&params)?;
     let a_from_b = scans.world_from_scan[0].inv_mul(&scans.world_from_scan[1]);
     println!("ground truth:\n{:.4}", a_from_b.to_matrix());
-    let cloud = |points| Cloud {
-        points,
-        viewpoint: None,
-    };
-    Ok(scans.clouds.into_iter().map(cloud).collect())
+    Ok(scans.clouds.into_iter().map(Cloud::new).collect())
 }

@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let out = Path::new(out);
     fs::create_dir_all(out)?;
 
-    // PLY, PCD, text or NPY; LAS, LAZ, E57 and NPZ are cargo features of gmpcr-io.
+    // PLY, PCD, text or NPY; LAS, LAZ, E57 and NPZ are cargo features of gmpcr.
     let files = scan_files(scans)?;
     let clouds = files.iter().map(|file| Ok(read_points(file)?.into()));
     let clouds = clouds.collect::<Result<Vec<Cloud>, Box<dyn Error>>>()?;
@@ -31,28 +31,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Far coordinates and stray points are taken care of; all lengths follow from the voxel size.
     let set = compute_features(clouds)?;
     let params = Params::default().with_voxel_size(set.voxel_size);
-    let registration = set.in_cloud_frames(register(&set.scans, &params)?);
+    let registration = register(&set.scans, &params)?;
 
-    let scans = registration.components.largest();
+    let scans = registration.components.largest().to_vec();
     println!("{} of {} scans in one frame", scans.len(), files.len());
     for (file, problem) in files.iter().zip(&set.problems) {
         if let Some(problem) = problem {
             println!("warning: {} has no features: {problem}", file.display());
         }
     }
-    for warning in registration.warnings(&params) {
+    for warning in registration.warnings() {
         println!("warning: {warning}");
     }
 
-    let poses = registration.indexed_poses();
-    let stamped: Vec<_> = poses.iter().map(|&(k, pose)| (k as f64, pose)).collect();
-    write_poses_tum(out.join("poses.tum"), &stamped)?;
-    let graph = registration.posed_graph(&params);
+    // Poses and pose graph in the coordinates of the files.
+    let graph = set.posed_graph(&registration);
     write_g2o(out.join("posegraph.g2o"), &graph.to_g2o())?;
-    let cloud_from_local = set.cloud_from_local();
-    let merged = poses.iter().map(|&(k, world_from_scan)| ColoredCloud {
+    let registration = set.in_cloud_frames(registration);
+    let poses = registration.indexed_poses().into_iter();
+    let poses: Vec<_> = poses.map(|(k, pose)| (k as f64, pose)).collect();
+    write_poses_tum(out.join("poses.tum"), &poses)?;
+    let world_from_local = set.world_from_local(&registration);
+    let merged = scans.iter().map(|&k| ColoredCloud {
         points: &set.clouds[k].points,
-        world_from_points: world_from_scan * cloud_from_local[k],
+        world_from_points: world_from_local[k],
         color: distinct_color(k),
     });
     write_merged_ply(out.join("merged.ply"), Coordinates::Double, merged)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use gmpcr::features::FeatureParams;
 use gmpcr::io::{Layout, Scene, read_points, read_scene};
-use gmpcr::{Cloud, ScanSet, compute_features_with};
+use gmpcr::{Cloud, ScanSet, VoxelSize, compute_features_with};
 use gmpcr_sim::{RoomParams, SimParams, simulate};
 
 use crate::Arguments;
@@ -30,9 +30,7 @@ impl Input {
             ..SimParams::default()
         })?;
         let ground_truth = ground_truth::of_simulation(&scans)?;
-        let viewpoint = None;
-        let clouds = scans.clouds.into_iter();
-        let clouds = clouds.map(|points| Cloud { points, viewpoint });
+        let clouds = scans.clouds.into_iter().map(Cloud::new);
         Ok(Self {
             set: with_fpfh(clouds.collect(), arguments.voxel)?,
             ground_truth,
@@ -70,6 +68,6 @@ impl Input {
 }
 
 fn with_fpfh(clouds: Vec<Cloud>, voxel: f64) -> Result<ScanSet, gmpcr::Error> {
-    let in_voxels = FeatureParams::from_voxel_size(1.0);
-    compute_features_with(clouds, Some(voxel), &in_voxels, &())
+    let params = FeatureParams::from_voxel_size(voxel);
+    compute_features_with(clouds, &params, VoxelSize::Given, &())
 }

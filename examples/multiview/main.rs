@@ -76,7 +76,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             println!("warning: scan {scan} has no features: {problem}");
         }
     }
-    for warning in registration.warnings(&params) {
+    for warning in registration.warnings() {
         println!("warning: {warning}");
     }
     if !ground_truth.is_empty() {
@@ -101,10 +101,10 @@ fn write(folder: &Path, set: &ScanSet, registration: &Registration) -> Result<()
     fs::create_dir_all(folder)?;
     let poses = registration.indexed_poses();
     write_poses_3x4(folder.join("poses.txt"), &poses)?;
-    let cloud_from_local = set.cloud_from_local();
-    let merged = poses.iter().map(|&(scan, world_from_scan)| ColoredCloud {
+    let world_from_local = set.world_from_local(registration);
+    let merged = poses.iter().map(|&(scan, _)| ColoredCloud {
         points: &set.clouds[scan].points,
-        world_from_points: world_from_scan * cloud_from_local[scan],
+        world_from_points: world_from_local[scan],
         color: distinct_color(scan),
     });
     write_merged_ply(folder.join("merged.ply"), Coordinates::Double, merged)?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use gmpcr::{Cloud, Scan, ScanSet, compute_features_with};
+use gmpcr::{Cloud, Scan, ScanSet, VoxelSize, compute_features_with};
 use gmpcr_io::{DescriptorFiles, descriptor_files, descriptor_files_of_clouds};
 use rayon::prelude::*;
 
@@ -36,8 +36,11 @@ impl Input {
         let (clouds, reading) =
             progress.stage("reading", files.len(), || read_clouds(files, progress))?;
         let (mut files, clouds): (Vec<_>, Vec<_>) = clouds.into_iter().unzip();
-        let in_voxels = config.features_in_voxels();
-        let set = compute_features_with(clouds, config.voxel_size, in_voxels, progress)
+        let (params, voxel_size) = match config.voxel_size {
+            Some(voxel_size) => (config.params(voxel_size), VoxelSize::Given),
+            None => (config.params(1.0), VoxelSize::Estimated),
+        };
+        let set = compute_features_with(clouds, &params.features, voxel_size, progress)
             .map_err(|error| named(error, &files))?;
         progress.finish();
         for (file, num_strays) in files.iter().zip(&set.num_strays) {

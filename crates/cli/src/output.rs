@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use gmpcr::Registration;
 use gmpcr::features::voxel_grid;
 use gmpcr::nalgebra::{Isometry3, Point3};
-use gmpcr::{Params, Registration};
 use gmpcr_io::{
     ColoredCloud, Coordinates, PosedGraph, distinct_color, write_g2o, write_merged_ply,
     write_open3d_pose_graph, write_poses_3x4, write_poses_tum, write_text,
@@ -35,8 +35,8 @@ pub const FILES: [(&str, Write); 7] = [
 pub struct Output<'a> {
     pub title: &'a str,
     pub input: &'a Input,
-    pub params: &'a Params,
     pub result: &'a ResultFile,
+    pub graph: &'a PosedGraph,
     /// The poses in the coordinates that registration saw, for the picture.
     pub world_from_local: &'a [Isometry3<f64>],
     /// Voxel size that the merged cloud is downsampled to.
@@ -98,11 +98,11 @@ impl Output<'_> {
     }
 
     fn write_g2o(&self, path: &Path) -> Result<(), Failure> {
-        Ok(write_g2o(path, &self.graph().to_g2o())?)
+        Ok(write_g2o(path, &self.graph.to_g2o())?)
     }
 
     fn write_open3d(&self, path: &Path) -> Result<(), Failure> {
-        Ok(write_open3d_pose_graph(path, &self.graph().to_open3d())?)
+        Ok(write_open3d_pose_graph(path, &self.graph.to_open3d())?)
     }
 
     fn write_report(&self, path: &Path) -> Result<(), Failure> {
@@ -131,14 +131,13 @@ impl Output<'_> {
             .iter()
             .map(|&scan| self.downsampled(&set.clouds[scan].points));
         let points = points.collect::<Result<Vec<_>, Failure>>()?;
-        let file_from_points = set.cloud_from_local();
+        let world_from_points = set.world_from_local(self.registration());
         let clouds = scans
             .iter()
             .zip(points)
             .map(|(&scan, points)| ColoredCloud {
                 points,
-                world_from_points: self.registration().world_from_scan[scan]
-                    * file_from_points[scan],
+                world_from_points: world_from_points[scan],
                 color: distinct_color(scan),
             });
         Ok(write_merged_ply(path, coordinates, clouds)?)
@@ -154,10 +153,6 @@ impl Output<'_> {
         let downsampled = voxel_grid(points, voxel_size)
             .map_err(|error| format!("merged.ply: --downsample: {error}"))?;
         Ok(downsampled.into())
-    }
-
-    fn graph(&self) -> PosedGraph {
-        self.registration().posed_graph(self.params)
     }
 
     /// In the coordinates of the files.

@@ -14,12 +14,17 @@ pub struct Finding {
     pub text: String,
 }
 
-/// Puts warnings into words, with the names of the scans.
-pub fn in_words(
-    input: &Input,
-    registration: &Registration,
-    warnings: Vec<Warning>,
-) -> Vec<Finding> {
+/// Contradictions that are told, at most: those of the heaviest loss of weight.
+const MAX_CONTRADICTIONS: usize = 5;
+
+/// Puts the warnings of a registration into words, with the names of the scans.
+pub fn in_words(input: &Input, registration: &Registration) -> Vec<Finding> {
+    let mut num_contradictions = 0;
+    let mut warnings = registration.warnings();
+    warnings.retain(|warning| {
+        num_contradictions += usize::from(matches!(warning, Warning::Contradiction { .. }));
+        num_contradictions <= MAX_CONTRADICTIONS
+    });
     let words = Words {
         input,
         registration,
@@ -42,23 +47,24 @@ impl Words<'_> {
             Warning::Unregistered {
                 scan,
                 num_unresolved,
+                ..
             } => format!(
                 "{} is not registered: {}",
                 self.input.name(*scan),
                 self.reason(*scan, *num_unresolved)
             ),
-            Warning::SeparateFrame { scans } => format!(
+            Warning::SeparateFrame { scans, .. } => format!(
                 "{} share a frame of their own: no edge connects them to the largest one",
                 self.names(scans)
             ),
-            Warning::Loose { scans } => format!(
+            Warning::Loose { scans, .. } => format!(
                 "{} may be misplaced as a whole: only edges that lost nine tenths of their weight connect {} to \
                  the rest",
                 self.names(scans),
                 if scans.len() == 1 { "it" } else { "them" }
             ),
-            Warning::Bridge { edge, scans } => self.bridge(*edge, scans),
-            Warning::Contradiction { edge } => self.contradiction(*edge),
+            Warning::Bridge { edge, scans, .. } => self.bridge(*edge, scans),
+            Warning::Contradiction { edge, .. } => self.contradiction(*edge),
             other => other.to_string(),
         }
     }

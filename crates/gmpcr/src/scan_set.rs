@@ -187,6 +187,36 @@ impl ScanSet {
         registration.with_scan_frames(&self.cloud_from_local())
     }
 
+    /// The [pose graph](Registration::posed_graph) of a registration of [`scans`](Self::scans), in the coordinates
+    /// that the clouds came in.
+    ///
+    /// # Panics
+    /// If the registration is of another number of scans.
+    #[cfg(feature = "io")]
+    pub fn posed_graph(&self, registration: &Registration) -> gmpcr_io::PosedGraph {
+        let cloud_from_local = self.cloud_from_local();
+        let graph = registration.posed_graph();
+        graph.with_scan_frames(|scan| cloud_from_local[scan])
+    }
+
+    /// From the coordinates of [`clouds`](Self::clouds) to the world of a registration that is
+    /// [in the coordinates](Self::in_cloud_frames) that they came in: to put the clouds into one.
+    ///
+    /// # Panics
+    /// If the registration is of another number of scans.
+    pub fn world_from_local(&self, in_cloud_frames: &Registration) -> Vec<Isometry3<f64>> {
+        assert_eq!(
+            self.clouds.len(),
+            in_cloud_frames.ids.len(),
+            "one scan per cloud"
+        );
+        let poses = in_cloud_frames.world_from_scan.iter();
+        let frames = poses.zip(self.cloud_from_local());
+        frames
+            .map(|(pose, cloud_from_local)| pose * cloud_from_local)
+            .collect()
+    }
+
     /// A transformation from the coordinates of scan `j` to those of scan `i`, in the coordinates that their
     /// clouds came in: `N_i T_ij N_j⁻¹`.
     ///
@@ -199,7 +229,7 @@ impl ScanSet {
 
     /// From the coordinates of [`clouds`](Self::clouds) and [`scans`](Self::scans) to those that the clouds came
     /// in.
-    pub fn cloud_from_local(&self) -> Vec<Isometry3<f64>> {
+    fn cloud_from_local(&self) -> Vec<Isometry3<f64>> {
         let clouds = self.clouds.iter();
         clouds.map(LocalCloud::original_from_local).collect()
     }

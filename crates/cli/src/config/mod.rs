@@ -5,7 +5,6 @@ mod keys;
 use std::fmt::Write;
 use std::path::Path;
 
-use gmpcr::features::FeatureParams;
 use gmpcr::{Params, Preset};
 use serde_json::{Value, json};
 use toml::Table;
@@ -73,11 +72,6 @@ impl Config {
     /// All parameters at a voxel size, in the unit of the scans.
     pub fn params(&self, voxel_size: f64) -> Params {
         self.in_voxels.clone().scaled(voxel_size)
-    }
-
-    /// The parameters of the features; lengths are in voxels.
-    pub fn features_in_voxels(&self) -> &FeatureParams {
-        &self.in_voxels.features
     }
 
     fn read(&mut self, path: &Path) -> Result<(), Failure> {
@@ -236,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_preset_at_five_centimeters_has_the_numbers_of_the_paper() {
-        for preset in Preset::ALL {
+        for &preset in Preset::ALL {
             let config = Config::new(&tuning(preset, &[])).unwrap();
             assert_eq!(config.params(0.05), preset.params());
         }

@@ -60,7 +60,7 @@ impl Report<'_> {
         let confidences = &registration.confidences;
         let scored = confidences.pairs().iter().zip(confidences.normalized());
         let scored = scored.map(|(pair, s)| json!([pair.i, pair.j, rounded(*s)]));
-        let warnings = result.warnings.iter().map(|finding| self.warning(finding));
+        let warnings = result.warnings.iter().map(warning);
         json!({
             "title": self.title,
             "version": format!("gmpcr {}", result.version),
@@ -83,7 +83,7 @@ impl Report<'_> {
         let mut has_warning = vec![false; registration.ids.len()];
         for finding in &self.result.warnings {
             if !matches!(finding.warning, Warning::Contradiction { .. }) {
-                for scan in finding.warning.scans(registration) {
+                for scan in finding.warning.scans() {
                     has_warning[scan] = true;
                 }
             }
@@ -101,20 +101,15 @@ impl Report<'_> {
         });
         scans.collect()
     }
+}
 
-    fn warning(&self, finding: &Finding) -> Value {
-        let registration = &self.result.registration;
-        let edge = finding.warning.edge().map(|edge| {
-            let Edge { i, j, .. } = registration.edges[edge];
-            [i, j]
-        });
-        json!({
-            "kind": kind(&finding.warning),
-            "scans": finding.warning.scans(registration),
-            "edge": edge,
-            "text": finding.text,
-        })
-    }
+fn warning(finding: &Finding) -> Value {
+    json!({
+        "kind": kind(&finding.warning),
+        "scans": finding.warning.scans(),
+        "edge": finding.warning.ends(),
+        "text": finding.text,
+    })
 }
 
 fn kind(warning: &Warning) -> &'static str {

@@ -34,15 +34,16 @@ pub fn run(
     let params = config.params(input.set.voxel_size);
     let registration =
         register_observed(&input.set.scans, &params, progress).map_err(Failure::of_registration)?;
-    let warnings = in_words(&input, &registration, registration.warnings(&params));
+    let warnings = in_words(&input, &registration);
     let world_from_local = registration.world_from_scan.clone();
+    let graph = input.set.posed_graph(&registration);
     let registration = input.set.in_cloud_frames(registration);
     let result = ResultFile::new(&input, &config, registration, warnings);
     let voxel_size = input.set.voxel_size;
     let output = Output {
         title: &title(arguments),
         input: &input,
-        params: &params,
+        graph: &graph,
         result: &result,
         world_from_local: &world_from_local,
         downsample: arguments.downsample.map(|size| size.unwrap_or(voxel_size)),
