@@ -2,7 +2,8 @@
 //!
 //! Correspondences that obey one rigid transformation are pairwise compatible: they form a clique of the
 //! compatibility graph. So every large maximal clique is a hypothesis (Zhang et al., "3D
-//! registration with maximal cliques", CVPR 2023; paper, section "Clique-Based Transformation
+//! registration with maximal cliques", CVPR 2023; Li et al., *Spectral Consistency-Guided Multiview Point Cloud
+//! Registration for Low-Overlap Scenes*, 2026, "the paper" below, section "Clique-Based Transformation
 //! Estimation"):
 //!
 //! ```text

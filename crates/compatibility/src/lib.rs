@@ -14,7 +14,8 @@
 //! outliers rarely find. The entry `|v_m|` measures how far correspondence `m` takes part in
 //! the largest coherent structure: the top fraction `r_s` is retained, the graphs are built again on
 //! the retained set, and the dominant eigenvalue of the refined SCG is the pair's *raw confidence*
-//! (paper, section "Spectral Consistency-Guided Scan Pair Selection"). No transformation is estimated.
+//! (Li et al., *Spectral Consistency-Guided Multiview Point Cloud Registration for Low-Overlap Scenes*, 2026, "the
+//! paper" below, section "Spectral Consistency-Guided Scan Pair Selection"). No transformation is estimated.
 //!
 //! | step | item |
 //! |---|---|

@@ -4,7 +4,8 @@
 //! scan with every other is redundant and grows with the square of the number of scans, so each
 //! scan is first sampled: `N_s` keypoints in *descriptor* space keep rare descriptors and leave out the
 //! thousandth copy of a flat wall. The keypoints of two scans are then matched mutually, and the `N_o` pairs of smallest descriptor distance become the correspondences `C_ij`
-//! (paper, section "Initial Correspondence Construction").
+//! (Li et al., *Spectral Consistency-Guided Multiview Point Cloud Registration for Low-Overlap Scenes*, 2026, "the
+//! paper" below, section "Initial Correspondence Construction").
 //!
 //! | step | function |
 //! |---|---|

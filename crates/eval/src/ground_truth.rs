@@ -16,7 +16,7 @@ pub struct GroundTruthPair {
     #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub i_from_j: Isometry3<f64>,
     /// 6×6 matrix Ω, translation first, that takes a small transformation to summed squared
-    /// displacements of the overlapping points; see [`information_matrix`](crate::information_matrix).
+    /// displacements of the overlapping points `p`: `Ω = Σ GᵀG` with `G = [I | −[p]×]`.
     pub information: Matrix6<f64>,
 }
 

@@ -1,45 +1,11 @@
 //! How far an error of a relative pose moves the overlapping points.
+//!
+//! The information matrix of a pair is `Ω = Σ_p GᵀG` with `G = [I | −[p]×]` over the overlapping points (Choi, Zhou,
+//! Koltun: Robust reconstruction of indoor scenes, CVPR 2015). A transformation of translation t and small rotation
+//! vector θ moves p by `t + θ × p = G · (t, θ)`, so `(t, θ)ᵀ Ω (t, θ)` sums the squared displacements, and `Ω₀₀`
+//! counts the points.
 
-use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, Vector6};
-
-/// Information matrix of a pair from its overlapping points, as in the `gt.info` files.
-///
-/// `Ω = Σ_p GᵀG` with `G = [I | −[p]×]`, where `[p]×` is the matrix of the cross product with p
-/// (Choi, Zhou, Koltun: Robust reconstruction of indoor scenes, CVPR 2015). A transformation of
-/// translation t and small rotation vector θ moves p by `t + θ × p = G · (t, θ)`, so
-/// `(t, θ)ᵀ Ω (t, θ)` sums the squared displacements, and `Ω₀₀` counts the points.
-///
-/// The official files sum over points of scan i, in its frame, that have a neighbor in scan j
-/// under the true transformation: see
-/// [`OverlapIndex::overlapping_points`](crate::OverlapIndex::overlapping_points). No points give a matrix
-/// of zeros, which no pair can be judged with.
-///
-/// ```
-/// use gmpcr_eval::information_matrix;
-/// use nalgebra::{Point3, Vector3, Vector6};
-///
-/// let information = information_matrix(&[Point3::new(1.0, 2.0, 3.0)]);
-/// let rotation_about_z = Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.1);
-/// let displacement: Vector3<f64> = Vector3::z().cross(&Vector3::new(1.0, 2.0, 3.0)) * 0.1;
-/// let squared = rotation_about_z.dot(&(information * rotation_about_z));
-/// assert!((squared - displacement.norm_squared()).abs() < 1e-12);
-/// ```
-#[must_use]
-pub fn information_matrix(points_in_i: &[Point3<f64>]) -> Matrix6<f64> {
-    points_in_i.iter().map(information_of_point).sum()
-}
-
-fn information_of_point(point: &Point3<f64>) -> Matrix6<f64> {
-    let lever = -point.coords.cross_matrix();
-    let mut information = Matrix6::identity();
-    information.fixed_view_mut::<3, 3>(0, 3).copy_from(&lever);
-    information
-        .fixed_view_mut::<3, 3>(3, 0)
-        .copy_from(&lever.transpose());
-    let squared: Matrix3<f64> = lever.transpose() * lever;
-    information.fixed_view_mut::<3, 3>(3, 3).copy_from(&squared);
-    information
-}
+use nalgebra::{Isometry3, Matrix6, Vector6};
 
 /// Squared error of a relative pose as the 3DMatch benchmark counts it, in m².
 ///
@@ -50,7 +16,7 @@ fn information_of_point(point: &Point3<f64>) -> Matrix6<f64> {
 ///
 /// Source: `mrEvaluateRegistration.m` of Choi, Zhou, Koltun (CVPR 2015), which 3DMatch took over
 /// (Zeng et al., CVPR 2017). That program writes `−qt(2:4)`, but its `dcm2quat` returns the conjugate of the
-/// ordinary quaternion: both minus signs cancel, as the signs in [`information_matrix`] require.
+/// ordinary quaternion: both minus signs cancel, as the signs of `Ω` require.
 ///
 /// `None` where `Ω₀₀` is not positive: without overlapping points there is nothing to judge by.
 ///
@@ -90,7 +56,14 @@ fn deviation(transformation: &Isometry3<f64>) -> Vector6<f64> {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
-    use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+    use gmpcr_geometry::PointPairs;
+    use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector3};
+
+    /// `Ω = Σ GᵀG` over points, `G = [I | −[p]×]`, as in the `gt.info` files.
+    fn information_matrix(points: &[Point3<f64>]) -> Matrix6<f64> {
+        let pairs = PointPairs::new(points.to_vec(), points.to_vec()).unwrap();
+        gmpcr_cliques::information_matrix(&pairs, 1.0)
+    }
 
     #[test]
     fn a_point_gives_the_rows_that_the_official_files_show() {

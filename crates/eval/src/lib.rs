@@ -71,7 +71,7 @@ pub use connectivity::ConnectivitySummary;
 pub use deciles::{DecileSummary, OverlapDeciles, SceneMean, overlap_deciles};
 pub use error::Error;
 pub use ground_truth::GroundTruthPair;
-pub use information::{information_matrix, registration_error};
+pub use information::registration_error;
 pub use outcome::{Outcome, PairOutcome, Recall};
 pub use overlap::{OverlapIndex, overlap_matrix};
 pub use pair_errors::{PairError, PairErrors};

@@ -1,11 +1,15 @@
 //! Laws that recall and pair errors obey, tried on random poses.
 
+mod common;
+
 use gmpcr_eval::{
     Error, GroundTruthPair, Outcome, OverlapIndex, PairErrors, Protocol, Recall, WorldPoses,
-    information_matrix, pairwise_recall, registration_recall,
+    pairwise_recall, registration_recall,
 };
 use nalgebra::{Isometry3, Matrix6, Point3, Vector3};
 use proptest::prelude::*;
+
+use common::information_matrix;
 
 const BOTH: [Protocol; 2] = [Protocol::ThreeDMatch, Protocol::ThreeDLoMatch];
 

@@ -3,13 +3,15 @@
 //! Needs a scene folder with `poses.txt` and `official_*.log/.info` below `$GMPCR_DATA`
 //! (default: `../shared/data` beside the workspace); says so and passes where there is none.
 
+mod common;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gmpcr_eval::{
-    GroundTruthPair, PairErrors, Protocol, WorldPoses, information_matrix, registration_recall,
-};
+use gmpcr_eval::{GroundTruthPair, PairErrors, Protocol, WorldPoses, registration_recall};
 use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, Rotation3, UnitQuaternion, Vector3};
+
+use common::information_matrix;
 
 const SCENES: [&str; 3] = ["redkitchen", "hotel_umd3", "mit_lab"];
 

@@ -2,15 +2,19 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use approx::{assert_relative_eq, relative_eq};
 use gmpcr_eval::{
     ConnectivitySummary, Gauge, GroundTruthPair, PairErrors, Protocol, Recall, Spread, WorldPoses,
-    absolute_errors, auc, information_matrix, mean_recall, mean_retrieval, overlap_deciles,
-    pairwise_recall, pooled_recall, pose_error, registration_error, registration_recall, retrieval,
+    absolute_errors, auc, mean_recall, mean_retrieval, overlap_deciles, pairwise_recall,
+    pooled_recall, pose_error, registration_error, registration_recall, retrieval,
 };
 use gmpcr_posegraph::Connectivity;
 use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
+
+use common::information_matrix;
 
 const BOTH: [Protocol; 2] = [Protocol::ThreeDMatch, Protocol::ThreeDLoMatch];
 

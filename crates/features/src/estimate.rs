@@ -65,7 +65,7 @@ const ACCURACY: f64 = 1.01;
 /// ```
 pub fn estimate_voxel_size(points: &[Point3<f64>]) -> Result<Option<f64>, Error> {
     let points = distinct(points)?;
-    let extent = extent(&points);
+    let extent = crate::extent(&points).max();
     if extent == 0.0 {
         return Ok(None);
     }
@@ -173,14 +173,6 @@ fn distinct(points: &[Point3<f64>]) -> Result<Vec<Point3<f64>>, Error> {
     });
     points.dedup();
     Ok(points)
-}
-
-/// The longest side of the box around the points.
-fn extent(points: &[Point3<f64>]) -> f64 {
-    let coordinates = || points.iter().map(|point| point.coords);
-    let min = coordinates().reduce(|a, b| a.inf(&b)).unwrap_or_default();
-    let max = coordinates().fold(min, |a, b| a.sup(&b));
-    (max - min).max()
 }
 
 /// All indices below `len`, or `max_indices` of them, spread evenly but in no rhythm with rows of

@@ -24,8 +24,8 @@
 //!
 //! | trouble | function | result |
 //! |---|---|---|
-//! | points that a sensor wrote where nothing returned | [`remove_stray_points`] | the cloud without points far from its [`median_point`] |
-//! | georeferenced coordinates, of many digits | [`localize_georeferenced`] | [`LocalCloud`]s with an origin of their own, if most are [remote](remoteness) from zero |
+//! | points that a sensor wrote where nothing returned | [`remove_stray_points`] | the cloud without points far from its median point |
+//! | georeferenced coordinates, of many digits | [`localize_georeferenced`] | [`LocalCloud`]s with an origin of their own, if most are remote from zero |
 //!
 //! The conventions are those of Open3D, so that on the same points normals and descriptors agree
 //! with it up to rounding; where a cloud leaves the result open, the documentation of the
@@ -51,28 +51,30 @@
 
 mod check;
 mod compute;
-mod conditioning;
 mod error;
 mod estimate;
 mod fpfh;
 #[cfg(feature = "serde")]
 mod fpfh_rows;
+mod local_cloud;
+mod middle;
 mod neighbors;
 mod normals;
 mod pair;
 mod params;
+mod strays;
 mod voxel;
 
 pub use compute::{Features, compute_features};
-pub use conditioning::{
-    LocalCloud, extent, localize_georeferenced, median_point, remoteness, remove_stray_points,
-};
 pub use error::Error;
 pub use estimate::{common_voxel_size, estimate_resolution, estimate_voxel_size};
 pub use fpfh::{FPFH_DIMENSION, Fpfh, fpfh};
 pub use gmpcr_geometry::InvalidParameter;
+pub use local_cloud::{LocalCloud, localize_georeferenced};
+pub use middle::extent;
 pub use normals::estimate_normals;
 pub use params::{FeatureParams, FpfhParams, NormalParams};
+pub use strays::remove_stray_points;
 pub use voxel::voxel_grid;
 
 #[cfg(doctest)]

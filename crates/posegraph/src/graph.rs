@@ -1,3 +1,4 @@
+use gmpcr_geometry::is_usable;
 use nalgebra::Isometry3;
 
 /// A measured relative pose of two scans and how much it is trusted.
@@ -139,8 +140,8 @@ impl TryFrom<UncheckedGraph> for PoseGraph {
     }
 }
 
-/// The largest weight or length: sums of squares of them are finite.
-const LARGEST: f64 = 1e100;
+/// The largest weight: sums of squares of weights are finite.
+const MAX_WEIGHT: f64 = 1e100;
 
 fn validate(edge: &PoseEdge, num_scans: usize) -> Result<(), PoseGraphError> {
     let &PoseEdge {
@@ -155,12 +156,11 @@ fn validate(edge: &PoseEdge, num_scans: usize) -> Result<(), PoseGraphError> {
     if i == j {
         return Err(PoseGraphError::Loop { i });
     }
-    if !(0.0..=LARGEST).contains(&weight) {
+    if !(0.0..=MAX_WEIGHT).contains(&weight) {
         return Err(PoseGraphError::InvalidWeight { i, j, weight });
     }
     let is_rotation = (i_from_j.rotation.norm() - 1.0).abs() < 1e-6;
-    let is_usable = |t: &f64| t.abs() <= LARGEST;
-    if !(is_rotation && i_from_j.translation.vector.iter().all(is_usable)) {
+    if !(is_rotation && is_usable(&i_from_j.translation.vector)) {
         return Err(PoseGraphError::InvalidRelativePose { i, j });
     }
     Ok(())

@@ -8,7 +8,8 @@
 //! E_p = {(i, j) : i < j, j ∈ N_K(i) or i ∈ N_K(j)}
 //! ```
 //!
-//! (paper, section "Spectral Consistency-Guided Scan Pair Selection").
+//! (Li et al., *Spectral Consistency-Guided Multiview Point Cloud Registration for Low-Overlap Scenes*, 2026, "the
+//! paper" below, section "Spectral Consistency-Guided Scan Pair Selection").
 //!
 //! | step | item |
 //! |---|---|

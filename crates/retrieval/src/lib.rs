@@ -50,7 +50,7 @@
 //! `O(N n (d + 1) log(N n))`: as good as linear in the number of scans. Counting votes touches `N²` small
 //! numbers (4 ms for 400 scans). A round of neighbors takes `O(P log P + N k² log N)` with `P` pairs scored and
 //! `k` neighbors chosen by each scan, unless many scans choose the same one, and at most `N k` pairs are
-//! scored in it. With the default, 400 scans of eight rooms have a fifth of their pairs scored, after
+//! scored in it. With the default numbers of candidates, 400 scans of eight rooms have a fifth of their pairs scored, after
 //! about ten rounds.
 
 mod candidates;

@@ -1,7 +1,8 @@
 //! Globally consistent poses from measured relative poses of which some may be outliers.
 //!
 //! Given edges `T̂_ij ≈ T_i⁻¹ T_j` with initial weights, each iteration solves for all rotations,
-//! then compares every edge with them, and reweights it (paper, section
+//! then compares every edge with them, and reweights it (Li et al., *Spectral
+//! Consistency-Guided Multiview Point Cloud Registration for Low-Overlap Scenes*, 2026, "the paper" below, section
 //! "Adaptive History-aware Pose Synchronization"):
 //!
 //! ```text

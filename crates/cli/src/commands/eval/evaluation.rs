@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use gmpcr::nalgebra::{Isometry3, Matrix6};
+use gmpcr::nalgebra::Isometry3;
 use gmpcr_eval::{
     Gauge, GroundTruthPair, PairErrors, PoseError, Protocol, WorldPoses, absolute_errors,
     registration_recall,
@@ -44,7 +44,11 @@ impl<'a> Evaluation<'a> {
 
     /// Lists with information matrices have the recall of their benchmark, too, which is in meters.
     pub fn judge_list(&mut self, list: &PairList) -> Result<(), Failure> {
-        let pairs = ground_truth_pairs(list);
+        let entries = list
+            .pairs
+            .iter()
+            .map(|pair| (pair.i, pair.j, pair.i_from_j));
+        let pairs = GroundTruthPair::of_list(entries, list.information.as_deref())?;
         let errors = PairErrors::of_pairs(&pairs, &self.poses)?;
         let protocol = Protocol::of_list(&list.name, list.information.is_some());
         let recall = protocol.map(|protocol| registration_recall(&pairs, &self.poses, protocol));
@@ -109,7 +113,8 @@ impl<'a> Evaluation<'a> {
         let known: Vec<(usize, Isometry3<f64>)> = known
             .filter_map(|(scan, pose)| Some((scan, (*pose)?)))
             .collect();
-        let relative = PairErrors::of_pairs(&all_pairs(&known), &self.poses)?;
+        let relative =
+            PairErrors::of_pairs(&GroundTruthPair::all_pairs(ground_truth), &self.poses)?;
         let absolute = self.absolute_errors(&known)?;
         let num_judged = counted(absolute.len(), "scan");
         let of_frame = format!("poses of the largest frame ({num_judged})");
@@ -163,33 +168,6 @@ impl<'a> Evaluation<'a> {
             Gauge::LeastAbsolute,
         )?)
     }
-}
-
-fn ground_truth_pairs(list: &PairList) -> Vec<GroundTruthPair> {
-    let pairs = list.pairs.iter().enumerate();
-    let pairs = pairs.map(|(k, pair)| GroundTruthPair {
-        i: pair.i,
-        j: pair.j,
-        i_from_j: pair.i_from_j,
-        information: list
-            .information
-            .as_ref()
-            .map_or_else(Matrix6::zeros, |all| all[k]),
-    });
-    pairs.collect()
-}
-
-fn all_pairs(known: &[(usize, Isometry3<f64>)]) -> Vec<GroundTruthPair> {
-    let pairs = known.iter().enumerate().flat_map(|(k, a)| {
-        let others = known[k + 1..].iter();
-        others.map(move |b| GroundTruthPair {
-            i: a.0,
-            j: b.0,
-            i_from_j: a.1.inv_mul(&b.1),
-            information: Matrix6::zeros(),
-        })
-    });
-    pairs.collect()
 }
 
 fn pair_table(errors: &PairErrors) -> String {

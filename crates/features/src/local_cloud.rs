@@ -1,86 +1,9 @@
-//! What raw clouds need before features are computed: no stray points, and coordinates of few digits.
-
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+
+use crate::middle::{median, median_point};
 
 /// Distance from zero, in sizes of the cloud, beyond which a cloud is georeferenced.
 const REMOTE: f64 = 1000.0;
-
-/// Distance from the median point, in voxel sizes, beyond which a point is astray.
-const STRAY: f64 = 1e6;
-
-/// The point of the median coordinates: the middle of a cloud that no outlier moves far.
-///
-/// The upper median of each axis; the origin where there are no points. `O(n)`.
-///
-/// ```
-/// use gmpcr_features::median_point;
-/// use nalgebra::Point3;
-///
-/// let points = [[1.0, 5.0, 0.0], [2.0, 4.0, 0.0], [1e9, 3.0, 0.0]].map(Point3::from);
-/// assert_eq!(median_point(&points), Point3::new(2.0, 4.0, 0.0));
-/// ```
-pub fn median_point(points: &[Point3<f64>]) -> Point3<f64> {
-    Vector3::from_fn(|axis, _| {
-        let mut values: Vec<_> = points.iter().map(|point| point[axis]).collect();
-        median(&mut values)
-    })
-    .into()
-}
-
-/// Removes the points that are a million voxel sizes or more from the [median point](median_point), and
-/// those that are not finite. Returns how many.
-///
-/// Some sensors write a huge number where nothing returned. Such a point makes the extent of a cloud so
-/// large that [`voxel_grid`](crate::voxel_grid) refuses it. `O(n)`.
-///
-/// ```
-/// use gmpcr_features::remove_stray_points;
-/// use nalgebra::Point3;
-///
-/// let mut points = [0.0, 1.0, 2.0, f64::from(f32::MAX)].map(|x| Point3::new(x, 0.0, 0.0)).to_vec();
-/// assert_eq!(remove_stray_points(&mut points, 0.05), 1);
-/// assert_eq!(points.len(), 3);
-/// ```
-pub fn remove_stray_points(points: &mut Vec<Point3<f64>>, voxel_size: f64) -> usize {
-    let before = points.len();
-    let center = median_point(points);
-    points.retain(|point| (point - center).norm() < STRAY * voxel_size);
-    before - points.len()
-}
-
-/// Size of the box around the points, along each axis; zero of no points.
-///
-/// ```
-/// use gmpcr_features::extent;
-/// use nalgebra::{Point3, Vector3};
-///
-/// let points = [Point3::new(1.0, 2.0, 3.0), Point3::new(-1.0, 2.5, 3.0)];
-/// assert_eq!(extent(&points), Vector3::new(2.0, 0.5, 0.0));
-/// ```
-pub fn extent(points: &[Point3<f64>]) -> Vector3<f64> {
-    let coordinates = || points.iter().map(|point| point.coords);
-    let min = coordinates().reduce(|a, b| a.inf(&b)).unwrap_or_default();
-    let max = coordinates().reduce(|a, b| a.sup(&b)).unwrap_or_default();
-    max - min
-}
-
-/// How far a cloud is from zero, relative to its size: the distance of its [median point](median_point)
-/// from zero, divided by the median distance of its points from there.
-///
-/// About one where the sensor is at zero, and a thousand and more of georeferenced clouds. `O(n)`.
-///
-/// ```
-/// use gmpcr_features::remoteness;
-/// use nalgebra::Point3;
-///
-/// let at = |x: f64| Point3::new(x, 0.0, 0.0);
-/// assert_eq!(remoteness(&[at(98.0), at(100.0), at(102.0)]), 50.0);
-/// ```
-pub fn remoteness(points: &[Point3<f64>]) -> f64 {
-    let center = median_point(points);
-    let mut distances: Vec<_> = points.iter().map(|point| (point - center).norm()).collect();
-    center.coords.norm() / median(&mut distances).max(f64::MIN_POSITIVE)
-}
 
 /// A cloud whose coordinates are counted from an origin of its own.
 ///
@@ -130,10 +53,10 @@ impl LocalCloud {
 }
 
 /// Shifts clouds in their original frame to origins of their own if most of them are georeferenced, that
-/// is a thousand times as [remote](remoteness) from zero as they are large. Returns whether it did.
+/// is a thousand times as remote from zero as they are large. Returns whether it did.
 ///
 /// Clouds without points have no say. Then *all* clouds are shifted: each to its own
-/// [median point](median_point). A known viewpoint moves with the points. One at zero is not known:
+/// median point. A known viewpoint moves with the points. One at zero is not known:
 /// georeferenced files do not tell where the sensor stood, and zero is no guess. But such clouds have their
 /// axes in common. So a viewpoint far above and to a side that is no wall's, at `(0.3, 0.5, 0.8) ‖origin‖`
 /// from the origin, gives a surface the same normals in all of them.
@@ -162,12 +85,14 @@ pub fn localize_georeferenced<'a>(clouds: impl IntoIterator<Item = &'a mut Local
     are_remote
 }
 
-/// The upper median; 0 of nothing.
-fn median(values: &mut [f64]) -> f64 {
-    match values.len() {
-        0 => 0.0,
-        n => *values.select_nth_unstable_by(n / 2, f64::total_cmp).1,
-    }
+/// How far a cloud is from zero, relative to its size: the distance of its median point
+/// from zero, divided by the median distance of its points from there.
+///
+/// About one where the sensor is at zero, and a thousand and more of georeferenced clouds. `O(n)`.
+fn remoteness(points: &[Point3<f64>]) -> f64 {
+    let center = median_point(points);
+    let mut distances: Vec<_> = points.iter().map(|point| (point - center).norm()).collect();
+    center.coords.norm() / median(&mut distances).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -211,8 +136,6 @@ mod tests {
         let mut clouds = [cloud(UTM), LocalCloud::default(), LocalCloud::default()];
         assert!(localize_georeferenced(&mut clouds));
         assert_eq!(clouds[1].origin, Vector3::zeros());
-        assert_eq!(median_point(&[]), Point3::origin());
-        assert_eq!(remove_stray_points(&mut Vec::new(), 1.0), 0);
     }
 
     #[test]
@@ -222,15 +145,6 @@ mod tests {
         localize_georeferenced(&mut clouds);
         assert_eq!(clouds[0].viewpoint, clouds[0].points[0]);
         assert!(clouds[1].viewpoint.z > 1e6);
-    }
-
-    #[test]
-    fn points_a_million_voxels_away_are_astray() {
-        let mut points = cube([0.0; 3]);
-        let at = |x: f64| Point3::new(5.0 + x, 5.0, 5.0);
-        points.extend([at(0.99e6), at(1.01e6), at(f64::NAN)]);
-        assert_eq!(remove_stray_points(&mut points, 1.0), 2);
-        assert_eq!(points.len(), 9);
     }
 
     #[test]
