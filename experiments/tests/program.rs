@@ -7,7 +7,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use gmpcr_eval::{OverlapIndex, information_matrix, overlap_matrix};
+use gmpcr::cliques::information_matrix;
+use gmpcr::geometry::PointPairs;
+use gmpcr_eval::{OverlapIndex, overlap_matrix};
 use gmpcr_io::{LogEntry, write_gt_log, write_poses_3x4};
 use gmpcr_sim::{SimParams, SimulatedScans, simulate};
 use nalgebra::{Isometry3, Point3};
@@ -41,7 +43,8 @@ fn write_scene(folder: &Path) -> Vec<Isometry3<f64>> {
                 [i, j].map(|scan| OverlapIndex::new(&clouds[scan], OVERLAP_RADIUS));
             let overlapping = scan_i.overlapping_points(&scan_j, &i_from_j);
             writeln!(info, "{i} {j} {NUM_SCANS}").unwrap();
-            for row in information_matrix(&overlapping).row_iter() {
+            let points = PointPairs::new(overlapping.clone(), overlapping).unwrap();
+            for row in information_matrix(&points, 1.0).row_iter() {
                 let row: Vec<String> = row.iter().map(f64::to_string).collect();
                 writeln!(info, "{}", row.join(" ")).unwrap();
             }

@@ -9,7 +9,7 @@
 //! | which pairs have a known relative pose | [`GroundTruthPair::of_list`], [`GroundTruthPair::all_pairs`] |
 //! | which protocol judges a list of pairs | [`Protocol::of_list`] |
 //! | ratio of registered pairs, 3DMatch and 3DLoMatch | [`registration_recall`], [`pairwise_recall`] |
-//! | the same for scenes without official matrices | [`information_matrix`], [`registration_error`] |
+//! | error of a relative pose as the recalls count it | [`registration_error`] |
 //! | recall of many scenes | [`mean_recall`], [`pooled_recall`] |
 //! | mean and deviation of repeated runs | [`Spread`] |
 //! | rotation and translation errors of relative poses | [`pose_error`], [`PairErrors`] |

@@ -70,7 +70,7 @@ impl<'a> OverlapIndex<'a> {
     }
 
     /// The points of this scan i, in its frame, that overlap `other`, scan j: what
-    /// [`information_matrix`](crate::information_matrix) sums over.
+    /// the information matrix of a pair of the 3DMatch benchmark sums over.
     #[must_use]
     pub fn overlapping_points(
         &self,

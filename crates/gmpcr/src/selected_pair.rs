@@ -20,7 +20,7 @@ impl SelectedPair {
         let PoseEstimate { pose, .. } = &self.pair.estimate;
         let pose = pose.as_ref().filter(|pose| pose.inlier_ratio > 0.0)?;
         let i_from_j = pose.target_from_source;
-        is_usable(&i_from_j.translation.vector).then(|| PoseEdge {
+        is_usable(&i_from_j.translation.vector).then_some(PoseEdge {
             i: self.i,
             j: self.j,
             i_from_j,
