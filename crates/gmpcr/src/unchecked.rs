@@ -31,7 +31,7 @@ impl Unchecked {
         }
         for (what, count) in [
             ("poses", self.world_from_scan.len()),
-            ("labels of components", self.components.labels().len()),
+            ("scans in components", self.components.labels().len()),
             ("scans with confidences", self.confidences.num_scans()),
         ] {
             if count != n {

@@ -289,7 +289,7 @@ fn results_changed_by_hand_are_refused() {
         ),
         (
             |r| r["registration"]["components"] = serde_json::json!([]),
-            "scan 0 is in no component",
+            "0 scans in components for 6 scans",
         ),
         (
             |r| r["registration"]["world_from_scan"][1][0] = 7.into(),
