@@ -1,0 +1,311 @@
+use gmpcr_geometry::InvalidParameter;
+use nalgebra::{Isometry3, Matrix6, Point3, Vector3, Vector6};
+
+use crate::equations::{PairEquations, equations};
+use crate::icp::descend;
+use crate::posed::{check_poses, largest_voxel, spheres_meet};
+use crate::tangent::adjoint;
+use crate::verify::count_pair;
+use crate::{
+    EquationParams, Error, IcpParams, PairCounts, PairMap, PosedSurface, VerifyParams, check,
+};
+
+/// Overlap above which a pair counts as overlapping.
+const MIN_OVERLAP: usize = 60;
+/// Pairs are found anew at the first step and at this one.
+const STEP_OF_NEW_PAIRS: usize = 2;
+
+/// Pooled ICP of two rigid sets. Lengths are in voxels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct SetIcpParams {
+    /// The steps. Default 5 with radii from 3 to 1.5.
+    pub icp: IcpParams,
+    /// What counts as overlap when pairs are chosen. Default radius 2.5, cosine 0.3.
+    pub search: VerifyParams,
+    /// Overlap above which a pair takes part; default 40.
+    pub min_overlap: usize,
+    /// Pairs of largest overlap that take part, at most; at least 1. Default 40.
+    pub max_pairs: usize,
+}
+
+impl Default for SetIcpParams {
+    fn default() -> Self {
+        Self {
+            icp: IcpParams {
+                first_radius: 3.0,
+                last_radius: 1.5,
+                steps: 5,
+                min_correspondences: 20,
+                ..IcpParams::default()
+            },
+            search: VerifyParams {
+                radius: 2.5,
+                min_normal_cosine: 0.3,
+                ..VerifyParams::default()
+            },
+            min_overlap: 40,
+            max_pairs: 40,
+        }
+    }
+}
+
+impl SetIcpParams {
+    /// Checks that every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`InvalidParameter`] names the first that is not.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        self.icp.validate().map_err(|e| e.within("icp"))?;
+        self.search.validate().map_err(|e| e.within("search"))?;
+        let pairs = self.max_pairs as f64;
+        InvalidParameter::check(self.max_pairs >= 1, "max_pairs", pairs, "at least 1")
+    }
+}
+
+/// What one scan of each set say of each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct CrossPair {
+    /// Position in set A.
+    pub i: usize,
+    /// Position in set B.
+    pub j: usize,
+    /// The support of their relative pose.
+    pub counts: PairCounts,
+}
+
+/// What two sets of scans say of the transformation between their frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct SetSupport {
+    /// Sum over all pairs.
+    pub total: PairCounts,
+    /// Pairs of one scan of A and one of B whose bounding spheres meet, by A, then by B.
+    pub pairs: Vec<CrossPair>,
+}
+
+impl SetSupport {
+    /// Pairs with an overlap above 60.
+    pub fn num_overlapping(&self) -> usize {
+        let overlapping = |pair: &&CrossPair| pair.counts.overlap() > MIN_OVERLAP;
+        self.pairs.iter().filter(overlapping).count()
+    }
+
+    /// Pairs that free space [contradicts](PairCounts::is_contradicted).
+    pub fn num_contradicted(&self) -> usize {
+        let contradicted = |pair: &&CrossPair| pair.counts.is_contradicted();
+        self.pairs.iter().filter(contradicted).count()
+    }
+}
+
+/// Counts what speaks for a transformation between two rigid sets of scans, and what against it:
+/// [`verify_pair`](crate::verify_pair) over all pairs of one scan of each whose bounding spheres meet.
+///
+/// `a` and `b` have the poses of their scans in the frame of the set. Time is that of the pairs, plus
+/// `|a| · |b|` tests of spheres.
+///
+/// # Errors
+/// [`Error::Parameter`] if a parameter is out of range, [`Error::Coordinate`] if a pose is not of finite
+/// numbers.
+///
+/// ```
+/// use gmpcr_refine::{PosedSurface, Sequential, Surface, SurfaceParams, VerifyParams, verify_sets};
+/// use nalgebra::{Isometry3, Point3, Vector3};
+///
+/// let sheet: Vec<_> = (0..400).map(|k| Point3::new(f64::from(k % 20), f64::from(k / 20), 9.0)).collect();
+/// let surface = Surface::new(&sheet, &vec![-Vector3::z(); 400], &SurfaceParams::from_voxel_size(1.0))?;
+/// let a = [PosedSurface::new(&surface, Isometry3::identity())];
+/// let b = [0.0, 100.0].map(|x| PosedSurface::new(&surface, Isometry3::translation(x, 0.0, 0.0)));
+/// let params = VerifyParams::default();
+/// let support = verify_sets(&a, &b, &Isometry3::identity(), &params, &Sequential)?;
+/// assert_eq!((support.pairs.len(), support.total.overlap()), (1, 800));
+/// # Ok::<(), gmpcr_refine::Error>(())
+/// ```
+pub fn verify_sets(
+    a: &[PosedSurface],
+    b: &[PosedSurface],
+    a_from_b: &Isometry3<f64>,
+    params: &VerifyParams,
+    map: &impl PairMap,
+) -> Result<SetSupport, Error> {
+    params.validate()?;
+    check_sets(a, b, a_from_b)?;
+    let pairs = cross_pairs(a, b, a_from_b, params, map);
+    Ok(SetSupport {
+        total: pairs.iter().map(|pair| pair.counts).sum(),
+        pairs,
+    })
+}
+
+fn check_sets(
+    a: &[PosedSurface],
+    b: &[PosedSurface],
+    a_from_b: &Isometry3<f64>,
+) -> Result<(), Error> {
+    check_poses(a)?;
+    check_poses(b)?;
+    check::transformations([a_from_b])
+}
+
+/// The counts of all pairs whose bounding spheres meet.
+fn cross_pairs(
+    a: &[PosedSurface],
+    b: &[PosedSurface],
+    a_from_b: &Isometry3<f64>,
+    params: &VerifyParams,
+    map: &impl PairMap,
+) -> Vec<CrossPair> {
+    let relative = |i: usize, j: usize| relative_pose(&a[i], &b[j], a_from_b);
+    let all = (0..a.len()).flat_map(|i| (0..b.len()).map(move |j| (i, j)));
+    let near: Vec<_> = all
+        .filter(|&(i, j)| spheres_meet(a[i].surface, b[j].surface, &relative(i, j)))
+        .collect();
+    map.map(near.len(), |k| {
+        let (i, j) = near[k];
+        let counts = count_pair(a[i].surface, b[j].surface, &relative(i, j), params);
+        CrossPair { i, j, counts }
+    })
+}
+
+fn relative_pose(
+    scan_i: &PosedSurface,
+    scan_j: &PosedSurface,
+    a_from_b: &Isometry3<f64>,
+) -> Isometry3<f64> {
+    scan_i.frame_from_scan.inverse() * a_from_b * scan_j.frame_from_scan
+}
+
+/// The transformation between two sets of scans, as exact as their surfaces make it.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct SetRefinement {
+    /// The transformation from the frame of set B into that of set A.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
+    pub a_from_b: Isometry3<f64>,
+    /// Directions that the points did not determine, as in [`PairRefinement`](crate::PairRefinement), with
+    /// the tangent at the right of `a_from_b`.
+    pub undetermined: Vec<Vector6<f64>>,
+    /// Pairs that took part in the last step.
+    pub num_pairs: usize,
+    /// Steps taken.
+    pub steps: usize,
+    /// Whether the last step was shorter than the tolerance.
+    pub converged: bool,
+}
+
+/// Refines the transformation between two rigid sets of scans: ICP as in
+/// [`refine_pair`](crate::refine_pair), with the corresponding points of all overlapping pairs pooled.
+///
+/// The pairs of largest overlap are chosen at the start, and once more after two steps. Where nothing overlaps
+/// or a direction is not determined, the transformation stays as it was.
+///
+/// # Errors
+/// [`Error::Parameter`] if a parameter is out of range, [`Error::Coordinate`] if a pose is not of finite
+/// numbers.
+///
+/// ```
+/// use gmpcr_refine::{PosedSurface, Sequential, SetIcpParams, Surface, SurfaceParams, refine_sets};
+/// use nalgebra::{Isometry3, Point3, Vector3};
+///
+/// let sheet: Vec<_> = (0..400).map(|k| Point3::new(f64::from(k % 20), f64::from(k / 20), 9.0)).collect();
+/// let surface = Surface::new(&sheet, &vec![-Vector3::z(); 400], &SurfaceParams::from_voxel_size(1.0))?;
+/// let set = [0.0, 10.0].map(|x| PosedSurface::new(&surface, Isometry3::translation(x, 0.0, 0.0)));
+/// let start = Isometry3::translation(0.5, 0.0, 0.5);
+/// let found = refine_sets(&set, &set, &start, &SetIcpParams::default(), &Sequential)?;
+/// // The sheet can be pulled back, but not along itself.
+/// assert!((found.a_from_b.translation.vector - Vector3::new(0.5, 0.0, 0.0)).norm() < 1e-6);
+/// assert_eq!((found.num_pairs, found.undetermined.len()), (4, 3));
+/// # Ok::<(), gmpcr_refine::Error>(())
+/// ```
+pub fn refine_sets(
+    a: &[PosedSurface],
+    b: &[PosedSurface],
+    a_from_b: &Isometry3<f64>,
+    params: &SetIcpParams,
+    map: &impl PairMap,
+) -> Result<SetRefinement, Error> {
+    params.validate()?;
+    check_sets(a, b, a_from_b)?;
+    let voxel = largest_voxel(a).max(largest_voxel(b));
+    let (mut pairs, mut step) = (Vec::new(), 0);
+    let descent = descend(a_from_b, voxel, &params.icp, |pose, settings| {
+        if step == 0 || step == STEP_OF_NEW_PAIRS {
+            pairs = best_pairs(a, b, pose, params, map);
+        }
+        step += 1;
+        pooled(map.map(pairs.len(), |k| {
+            let CrossPair { i, j, .. } = pairs[k];
+            in_frame_of_set(&a[i], &b[j], pose, settings)
+        }))
+    });
+    Ok(SetRefinement {
+        a_from_b: descent.pose,
+        undetermined: descent.undetermined,
+        num_pairs: pairs.len(),
+        steps: descent.steps,
+        converged: descent.converged,
+    })
+}
+
+/// The pairs of largest overlap, by position where equal.
+fn best_pairs(
+    a: &[PosedSurface],
+    b: &[PosedSurface],
+    a_from_b: &Isometry3<f64>,
+    params: &SetIcpParams,
+    map: &impl PairMap,
+) -> Vec<CrossPair> {
+    let mut pairs = cross_pairs(a, b, a_from_b, &params.search, map);
+    pairs.retain(|pair| pair.counts.overlap() > params.min_overlap);
+    pairs.sort_by_key(|pair| std::cmp::Reverse(pair.counts.overlap()));
+    pairs.truncate(params.max_pairs);
+    pairs
+}
+
+/// The equations of a pair for the transformation between the sets: `T exp(ξ) P = T P exp(Ad(P⁻¹) ξ)`.
+fn in_frame_of_set(
+    scan_i: &PosedSurface,
+    scan_j: &PosedSurface,
+    a_from_b: &Isometry3<f64>,
+    settings: &EquationParams,
+) -> PairEquations {
+    let i_from_j = relative_pose(scan_i, scan_j, a_from_b);
+    let mut pair = equations(scan_i.surface, scan_j.surface, &i_from_j, settings);
+    let change = adjoint(&scan_j.frame_from_scan.inverse());
+    pair.hessian = change.transpose() * pair.hessian * change;
+    pair.gradient = change.transpose() * pair.gradient;
+    pair.center = scan_j.frame_from_scan * pair.center;
+    pair
+}
+
+/// The sum of equations in one frame, in their order. The median is that of the pairs' medians.
+fn pooled(all: Vec<PairEquations>) -> PairEquations {
+    let weight: f64 = all.iter().map(|pair| pair.weight).sum();
+    let total = |f: &dyn Fn(&PairEquations) -> f64| -> f64 {
+        let weighted = all.iter().map(|pair| pair.weight * f(pair));
+        weighted.sum::<f64>() / weight.max(f64::MIN_POSITIVE)
+    };
+    let center = Vector3::from([0, 1, 2].map(|k| total(&|pair| pair.center[k])));
+    let spread =
+        |pair: &PairEquations| pair.spread.powi(2) + (pair.center.coords - center).norm_squared();
+    let mut medians: Vec<_> = all.iter().map(|pair| pair.median).collect();
+    medians.sort_by(f64::total_cmp);
+    PairEquations {
+        hessian: all.iter().map(|pair| pair.hessian).sum::<Matrix6<f64>>(),
+        gradient: all.iter().map(|pair| pair.gradient).sum::<Vector6<f64>>(),
+        correspondences: all.iter().map(|pair| pair.correspondences).sum(),
+        weight,
+        rms: total(&|pair| pair.rms.powi(2)).sqrt(),
+        median: medians.get(medians.len() / 2).copied().unwrap_or(0.0),
+        center: Point3::from(center),
+        spread: total(&spread).sqrt(),
+    }
+}
