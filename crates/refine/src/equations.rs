@@ -53,7 +53,7 @@ impl EquationParams {
             robust_scale,
         } = self;
         check_radius("radius", radius)?;
-        check_agreement(min_normal_cosine)?;
+        check_agreement("min_normal_cosine", min_normal_cosine)?;
         match robust_scale {
             Some(scale) => InvalidParameter::check_positive("robust_scale", scale),
             None => Ok(()),
@@ -62,9 +62,9 @@ impl EquationParams {
 }
 
 /// Normals that disagree have no mean.
-pub(crate) fn check_agreement(cosine: f64) -> Result<(), InvalidParameter> {
+pub(crate) fn check_agreement(name: &str, cosine: f64) -> Result<(), InvalidParameter> {
     let is_acute = (0.0..1.0).contains(&cosine);
-    InvalidParameter::check(is_acute, "min_normal_cosine", cosine, "in [0, 1)")
+    InvalidParameter::check(is_acute, name, cosine, "in [0, 1)")
 }
 
 /// What two surfaces ask of their relative pose: the normal equations of symmetric point-to-plane ICP.

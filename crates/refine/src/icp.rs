@@ -93,7 +93,7 @@ impl IcpParams {
         check_radius("first_radius", first_radius)?;
         check_radius("last_radius", last_radius)?;
         InvalidParameter::check(steps >= 1, "steps", steps as f64, "at least 1")?;
-        check_agreement(min_normal_cosine)?;
+        check_agreement("min_normal_cosine", min_normal_cosine)?;
         let (name, value) = ("min_correspondences", min_correspondences as f64);
         InvalidParameter::check(min_correspondences >= 6, name, value, "at least 6")?;
         let is_fraction = (0.0..1.0).contains(&min_stability);

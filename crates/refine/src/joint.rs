@@ -32,9 +32,12 @@ pub struct JointParams {
     pub polish_steps: usize,
     /// Cosine of the angle of normals above which points correspond, in [0, 1). Default 0.5 (60°).
     pub min_normal_cosine: f64,
-    /// What counts as overlap when pairs are searched. Default radius 2.5, cosine 0.5.
-    pub search: VerifyParams,
-    /// Overlap above which a pair takes part, unless it has as many violations; default 60.
+    /// Distance below which a query counts as overlap when pairs are searched, in voxels; in (0, 3]. Default
+    /// 2.5. What violates free space is that of the default [`VerifyParams`].
+    pub search_radius: f64,
+    /// Cosine of the angle of normals above which it does, in [0, 1). Default 0.5 (60°).
+    pub search_min_normal_cosine: f64,
+    /// Overlap above which a pair takes part, unless it has as many violations. Default 60.
     pub min_overlap: usize,
     /// Resistance of each pose to steps, as a fraction of the mean weight of a scan; positive and at most 1. It
     /// keeps poses where they are that nothing determines. Default 1e-4.
@@ -51,11 +54,8 @@ impl Default for JointParams {
             steps: 4,
             polish_steps: 0,
             min_normal_cosine: 0.5,
-            search: VerifyParams {
-                radius: 2.5,
-                min_normal_cosine: 0.5,
-                ..VerifyParams::default()
-            },
+            search_radius: 2.5,
+            search_min_normal_cosine: 0.5,
             min_overlap: 60,
             damping: 1e-4,
             tolerance: 1e-3,
@@ -84,7 +84,8 @@ impl JointParams {
             steps,
             polish_steps: _,
             min_normal_cosine,
-            search,
+            search_radius,
+            search_min_normal_cosine,
             min_overlap: _,
             damping,
             tolerance,
@@ -92,12 +93,22 @@ impl JointParams {
         check_radius("first_radius", first_radius)?;
         check_radius("last_radius", last_radius)?;
         InvalidParameter::check(steps >= 1, "steps", steps as f64, "at least 1")?;
-        check_agreement(min_normal_cosine)?;
-        search.validate().map_err(|e| e.within("search"))?;
+        check_agreement("min_normal_cosine", min_normal_cosine)?;
+        check_radius("search_radius", search_radius)?;
+        check_agreement("search_min_normal_cosine", search_min_normal_cosine)?;
         let is_damping = damping > 0.0 && damping <= 1.0;
         InvalidParameter::check(is_damping, "damping", damping, "in (0, 1]")?;
         let is_length = tolerance.is_finite() && tolerance >= 0.0;
         InvalidParameter::check(is_length, "tolerance", tolerance, "finite and at least 0")
+    }
+
+    /// What counts as overlap when pairs are searched.
+    fn search(&self) -> VerifyParams {
+        VerifyParams {
+            radius: self.search_radius,
+            min_normal_cosine: self.search_min_normal_cosine,
+            ..VerifyParams::default()
+        }
     }
 
     fn schedule(&self) -> Schedule {
@@ -273,11 +284,12 @@ fn overlapping_pairs(
         }
     }
     near.sort_unstable();
+    let search = params.search();
     let counted = map.map(near.len(), |k| {
         let (i, j) = near[k];
         let (of_i, of_j) = (&scans[i], &scans[j]);
         let pose = relative_pose(of_i, of_j);
-        let counts = count_pair(of_i.surface, of_j.surface, &pose, &params.search);
+        let counts = count_pair(of_i.surface, of_j.surface, &pose, &search);
         OverlappingPair { i, j, counts }
     });
     let takes_part = |pair: &OverlappingPair| {

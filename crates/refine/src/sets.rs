@@ -1,11 +1,11 @@
 use gmpcr_geometry::InvalidParameter;
 use nalgebra::{Isometry3, Matrix6, Point3, Vector3, Vector6};
 
-use crate::equations::{PairEquations, equations};
+use crate::equations::{PairEquations, check_agreement, equations};
 use crate::icp::descend;
 use crate::posed::{check_poses, largest_voxel, spheres_meet};
 use crate::tangent::adjoint;
-use crate::verify::count_pair;
+use crate::verify::{check_radius, count_pair};
 use crate::{
     EquationParams, Error, IcpParams, PairCounts, PairMap, PosedSurface, VerifyParams, check,
 };
@@ -16,6 +16,8 @@ const MIN_OVERLAP: usize = 60;
 const STEP_OF_NEW_PAIRS: usize = 2;
 
 /// Pooled ICP of two rigid sets. Lengths are in voxels.
+///
+/// Radii and robust scales of the steps are those of [`IcpParams`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -23,11 +25,27 @@ const STEP_OF_NEW_PAIRS: usize = 2;
     serde(default, deny_unknown_fields)
 )]
 pub struct SetIcpParams {
-    /// The steps. Default 5 with radii from 3 to 1.5.
-    pub icp: IcpParams,
-    /// What counts as overlap when pairs are chosen. Default radius 2.5, cosine 0.3.
-    pub search: VerifyParams,
-    /// Overlap above which a pair takes part; default 40.
+    /// Radius of the first step, in voxels; in (0, 3]. Default 3.
+    pub first_radius: f64,
+    /// Radius of the last steps, in voxels; in (0, 3]. Default 1.5.
+    pub last_radius: f64,
+    /// Steps; at least 1. Default 5.
+    pub steps: usize,
+    /// Further steps with the last radius whose robust scale follows the residuals of each pair. Default 0.
+    pub polish_steps: usize,
+    /// Cosine of the angle of normals above which points correspond, in [0, 1). Default 0.5 (60°).
+    pub min_normal_cosine: f64,
+    /// Corresponding points without which nothing is refined; at least 6. Default 20.
+    pub min_correspondences: usize,
+    /// The smallest eigenvalue of a direction that is refined, as in [`IcpParams`]; in [0, 1). Default 0.001.
+    pub min_stability: f64,
+    /// Step length, in voxels, below which the steps with the last radius end; at least 0. Default 0.001.
+    pub tolerance: f64,
+    /// Distance below which a query counts as overlap when pairs are chosen, in voxels; in (0, 3]. Default 2.5.
+    pub search_radius: f64,
+    /// Cosine of the angle of normals above which it does, in [0, 1). Default 0.3 (73°).
+    pub search_min_normal_cosine: f64,
+    /// Overlap above which a pair takes part. Default 40.
     pub min_overlap: usize,
     /// Pairs of largest overlap that take part, at most; at least 1. Default 40.
     pub max_pairs: usize,
@@ -35,19 +53,18 @@ pub struct SetIcpParams {
 
 impl Default for SetIcpParams {
     fn default() -> Self {
+        let icp = IcpParams::default();
         Self {
-            icp: IcpParams {
-                first_radius: 3.0,
-                last_radius: 1.5,
-                steps: 5,
-                min_correspondences: 20,
-                ..IcpParams::default()
-            },
-            search: VerifyParams {
-                radius: 2.5,
-                min_normal_cosine: 0.3,
-                ..VerifyParams::default()
-            },
+            first_radius: 3.0,
+            last_radius: icp.last_radius,
+            steps: 5,
+            polish_steps: icp.polish_steps,
+            min_normal_cosine: icp.min_normal_cosine,
+            min_correspondences: 20,
+            min_stability: icp.min_stability,
+            tolerance: icp.tolerance,
+            search_radius: 2.5,
+            search_min_normal_cosine: 0.3,
             min_overlap: 40,
             max_pairs: 40,
         }
@@ -60,14 +77,38 @@ impl SetIcpParams {
     /// # Errors
     /// [`InvalidParameter`] names the first that is not.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
-        self.icp.validate().map_err(|e| e.within("icp"))?;
-        self.search.validate().map_err(|e| e.within("search"))?;
+        self.icp().validate()?;
+        check_radius("search_radius", self.search_radius)?;
+        check_agreement("search_min_normal_cosine", self.search_min_normal_cosine)?;
         let pairs = self.max_pairs as f64;
         InvalidParameter::check(self.max_pairs >= 1, "max_pairs", pairs, "at least 1")
     }
+
+    /// The steps.
+    fn icp(&self) -> IcpParams {
+        IcpParams {
+            first_radius: self.first_radius,
+            last_radius: self.last_radius,
+            steps: self.steps,
+            polish_steps: self.polish_steps,
+            min_normal_cosine: self.min_normal_cosine,
+            min_correspondences: self.min_correspondences,
+            min_stability: self.min_stability,
+            tolerance: self.tolerance,
+        }
+    }
+
+    /// What counts as overlap when pairs are chosen.
+    fn search(&self) -> VerifyParams {
+        VerifyParams {
+            radius: self.search_radius,
+            min_normal_cosine: self.search_min_normal_cosine,
+            ..VerifyParams::default()
+        }
+    }
 }
 
-/// What one scan of each set say of each other.
+/// What a scan of one set and a scan of the other say of each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -236,7 +277,7 @@ pub fn refine_sets(
     check_sets(a, b, a_from_b)?;
     let voxel = largest_voxel(a).max(largest_voxel(b));
     let (mut pairs, mut step) = (Vec::new(), 0);
-    let descent = descend(a_from_b, voxel, &params.icp, |pose, settings| {
+    let descent = descend(a_from_b, voxel, &params.icp(), |pose, settings| {
         if step == 0 || step == STEP_OF_NEW_PAIRS {
             pairs = best_pairs(a, b, pose, params, map);
         }
@@ -263,7 +304,7 @@ fn best_pairs(
     params: &SetIcpParams,
     map: &impl PairMap,
 ) -> Vec<CrossPair> {
-    let mut pairs = cross_pairs(a, b, a_from_b, &params.search, map);
+    let mut pairs = cross_pairs(a, b, a_from_b, &params.search(), map);
     pairs.retain(|pair| pair.counts.overlap() > params.min_overlap);
     pairs.sort_by_key(|pair| std::cmp::Reverse(pair.counts.overlap()));
     pairs.truncate(params.max_pairs);

@@ -128,8 +128,12 @@ fn every_parameter_of_refinement_out_of_range_is_named() {
     );
     refuses(
         &[
-            ("icp.steps", |p: &mut SetIcpParams| p.icp.steps = 0),
-            ("search.radius", |p| p.search.radius = 0.0),
+            ("steps", |p: &mut SetIcpParams| p.steps = 0),
+            ("min_correspondences", |p| p.min_correspondences = 1),
+            ("search_radius", |p| p.search_radius = 0.0),
+            ("search_min_normal_cosine", |p| {
+                p.search_min_normal_cosine = 1.0
+            }),
             ("max_pairs", |p| p.max_pairs = 0),
         ],
         SetIcpParams::validate,
@@ -141,7 +145,10 @@ fn every_parameter_of_refinement_out_of_range_is_named() {
             ("last_radius", |p| p.last_radius = 4.0),
             ("steps", |p| p.steps = 0),
             ("min_normal_cosine", |p| p.min_normal_cosine = 1.0),
-            ("search.min_depth", |p| p.search.min_depth = -1.0),
+            ("search_radius", |p| p.search_radius = 5.0),
+            ("search_min_normal_cosine", |p| {
+                p.search_min_normal_cosine = -1.0
+            }),
             ("damping", |p| p.damping = 0.0),
             ("tolerance", |p| p.tolerance = -1.0),
         ],
@@ -259,11 +266,11 @@ mod files {
 
     #[test]
     fn absent_parameters_are_the_default_and_unknown_ones_refused() {
-        let partial: JointParams = from_value(json!({ "search": { "radius": 2.0 } })).unwrap();
-        let mut expected = JointParams::default();
-        expected.search.radius = 2.0;
-        // The rest of an inner struct is that struct's own default.
-        expected.search.min_normal_cosine = VerifyParams::default().min_normal_cosine;
+        let partial: JointParams = from_value(json!({ "search_radius": 2.0 })).unwrap();
+        let expected = JointParams {
+            search_radius: 2.0,
+            ..JointParams::default()
+        };
         assert_eq!(partial, expected);
         assert_eq!(
             from_value::<SurfaceParams>(json!({})).unwrap(),

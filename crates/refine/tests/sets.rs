@@ -261,8 +261,7 @@ proptest! {
             .map(|scan| PosedSurface::new(scan.surface, a_from_b.inverse() * scan.frame_from_scan))
             .collect();
         let start = nudge(rotation, translation) * a_from_b;
-        let mut params = SetIcpParams::default();
-        params.icp.polish_steps = 12;
+        let params = SetIcpParams { polish_steps: 12, ..SetIcpParams::default() };
         let found = refine_sets(a, &b, &start, &params, &Sequential).unwrap();
         let in_room = found.a_from_b * a_from_b.inverse();
         prop_assert!(distance(&in_room, &Isometry3::identity()) < 5e-3, "{in_room}");
@@ -287,9 +286,10 @@ proptest! {
         let set = posed(&surfaces, &[Isometry3::identity(); 2]);
         let (a, b) = set.split_at(1);
         let start = poses[0].inverse() * nudge([0.01, 0.0, -0.01], translation) * poses[1];
-        let params = SetIcpParams { icp: IcpParams::default(), ..SetIcpParams::default() };
+        let icp = IcpParams { first_radius: 3.0, steps: 5, ..IcpParams::default() };
+        let params = SetIcpParams::default();
         let of_sets = refine_sets(a, b, &start, &params, &Sequential).unwrap();
-        let of_pair = refine_pair(&surfaces[0], &surfaces[1], &start, &params.icp).unwrap();
+        let of_pair = refine_pair(&surfaces[0], &surfaces[1], &start, &icp).unwrap();
         prop_assert!((of_sets.a_from_b.to_matrix() - of_pair.i_from_j.to_matrix()).norm() < 1e-9);
         prop_assert_eq!(of_sets.steps, of_pair.steps);
     }
