@@ -285,11 +285,11 @@ impl PairEquations {
             for k in 0..3 {
                 offsets[k] += weight * offset[k];
             }
-            for k in 0..6 {
+            for (k, entries) in hessian.iter_mut().enumerate() {
                 let weighted = weight * row.jacobian[k];
                 gradient[k] += weighted * row.residual;
-                for l in 0..6 {
-                    hessian[k][l] += weighted * row.jacobian[l];
+                for (entry, other) in entries.iter_mut().zip(&row.jacobian) {
+                    *entry += weighted * other;
                 }
             }
         }

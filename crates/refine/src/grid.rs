@@ -66,11 +66,8 @@ pub(crate) fn morton_code(cell: &[u32; 3]) -> u64 {
 impl SparseGrid {
     /// A grid over points whose cells have numbers below [`MAX_SPAN`]. Of points that are equally near to a
     /// cell's center, the first counts.
-    pub fn new(
-        points: impl Iterator<Item = [f64; 3]> + Clone,
-        corner: [f64; 3],
-        cell: f64,
-    ) -> Self {
+    pub fn new(points: impl Iterator<Item = [f64; 3]> + Clone, cell: f64) -> Self {
+        let corner = corner(points.clone());
         let inverse_cell = 1.0 / cell;
         let cells = || points.clone().map(|p| cell_of(&p, &corner, inverse_cell));
         let table = BlockTable::new(occupied_blocks(cells()));
@@ -247,8 +244,7 @@ mod tests {
     use super::*;
 
     fn grid(points: &[[f64; 3]], cell: f64) -> SparseGrid {
-        let corner = corner(points.iter().copied());
-        SparseGrid::new(points.iter().copied(), corner, cell)
+        SparseGrid::new(points.iter().copied(), cell)
     }
 
     fn coordinates() -> impl Strategy<Value = [f64; 3]> {

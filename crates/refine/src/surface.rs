@@ -6,6 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::grid::{self, SparseGrid};
 use crate::range_image::RangeImage;
+use crate::smooth::smooth;
 use crate::{Error, check};
 
 /// Deviation of a normal's length from 1 that is accepted.
@@ -27,6 +28,10 @@ pub struct SurfaceParams {
     /// Points of a surface that are looked up in others, at most; at least 1. Default 600. Time grows
     /// with it, and so does the accuracy, with its square root.
     pub max_queries: usize,
+    /// Each point is moved along its normal to the mean of its neighbors within this radius whose normals
+    /// agree, in voxels; in [1, 3], or 0 for none. Default 2. It averages noise; planes stay as they are. Poses
+    /// refined by surfaces with noise of a third of a voxel have less than half the error.
+    pub smoothing_radius: f64,
     /// Width of the range image's pixels, as the tangent of their angle; from 0.005 to 0.5. Default 0.025
     /// (1.4°). The sensor's rays should be less than 1.5 pixels apart.
     pub pixel: f64,
@@ -37,6 +42,7 @@ impl Default for SurfaceParams {
         Self {
             voxel_size: 0.05,
             max_queries: 600,
+            smoothing_radius: 2.0,
             pixel: 0.025,
         }
     }
@@ -60,11 +66,15 @@ impl SurfaceParams {
         let &Self {
             voxel_size,
             max_queries,
+            smoothing_radius,
             pixel,
         } = self;
         InvalidParameter::check_positive("voxel_size", voxel_size)?;
         let queries = max_queries as f64;
         InvalidParameter::check(max_queries >= 1, "max_queries", queries, "at least 1")?;
+        let is_radius = smoothing_radius == 0.0 || (1.0..=3.0).contains(&smoothing_radius);
+        let (name, value) = ("smoothing_radius", smoothing_radius);
+        InvalidParameter::check(is_radius, name, value, "0 or in [1, 3]")?;
         let is_angle = (0.005..=0.5).contains(&pixel);
         InvalidParameter::check(is_angle, "pixel", pixel, "in [0.005, 0.5]")
     }
@@ -92,7 +102,7 @@ pub(crate) struct Patch {
 /// rotation of the frame changes the cells and the choice of queries, and so results within the accuracy of
 /// the sampling.
 ///
-/// Points without normal, which is zero then, are left out. An empty surface is allowed; it overlaps with
+/// Points are [smoothed](SurfaceParams::smoothing_radius) before. Points without normal, which is zero then, are left out. An empty surface is allowed; it overlaps with
 /// nothing. Memory and time are linear in the points, about 200 and 50 kB per thousand points for
 /// cells and points, and up to 150 kB for the range image.
 ///
@@ -142,13 +152,15 @@ impl Surface {
         check_input(points, normals, params.voxel_size)?;
         let mut patches = patches(points, normals);
         let cell = params.voxel_size;
-        let corner = grid::corner(patches.iter().map(|patch| patch.point));
-        sort_along_curve(&mut patches, &corner, 1.0 / cell);
+        sort_along_curve(&mut patches, cell);
+        if params.smoothing_radius > 0.0 {
+            smooth(&mut patches, params.smoothing_radius * cell);
+        }
         let (center, radius) = bounding_sphere(&patches);
         Ok(Self {
             params: *params,
             queries: evenly_chosen(&patches, params.max_queries),
-            grid: SparseGrid::new(patches.iter().map(|patch| patch.point), corner, cell),
+            grid: SparseGrid::new(patches.iter().map(|patch| patch.point), cell),
             range_image: None,
             center,
             radius,
@@ -274,9 +286,9 @@ fn patches(points: &[Point3<f64>], normals: &[Vector3<f64>]) -> Vec<Patch> {
 }
 
 /// Sorts by the Morton code of the cells, and in a cell by coordinates: an order that depends on the set only.
-fn sort_along_curve(patches: &mut Vec<Patch>, corner: &[f64; 3], inverse_cell: f64) {
-    let code =
-        |patch: &Patch| grid::morton_code(&grid::cell_of(&patch.point, corner, inverse_cell));
+fn sort_along_curve(patches: &mut Vec<Patch>, cell: f64) {
+    let corner = grid::corner(patches.iter().map(|patch| patch.point));
+    let code = |patch: &Patch| grid::morton_code(&grid::cell_of(&patch.point, &corner, 1.0 / cell));
     let mut keyed: Vec<_> = patches.iter().map(|patch| (code(patch), *patch)).collect();
     let numbers = |patch: &Patch| patch.point.into_iter().chain(patch.normal);
     let by_numbers = |a: &Patch, b: &Patch| {

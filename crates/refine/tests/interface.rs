@@ -66,6 +66,8 @@ fn every_parameter_of_a_surface_out_of_range_is_named() {
             ("voxel_size", |p: &mut SurfaceParams| p.voxel_size = 0.0),
             ("voxel_size", |p| p.voxel_size = f64::NAN),
             ("max_queries", |p| p.max_queries = 0),
+            ("smoothing_radius", |p| p.smoothing_radius = 0.5),
+            ("smoothing_radius", |p| p.smoothing_radius = f64::NAN),
             ("pixel", |p| p.pixel = 0.001),
             ("pixel", |p| p.pixel = 0.6),
         ],

@@ -99,12 +99,12 @@ fn refinement_finds_poses_to_a_fraction_of_a_voxel() {
     let errors = rooms.overlapping().into_iter().map(|(i, j, _)| {
         let truth = rooms.i_from_j(i, j);
         let (of_i, of_j) = (&rooms.surfaces[i], &rooms.surfaces[j]);
-        let found = refine_pair(of_i, of_j, &(truth * error), &IcpParams::default()).unwrap();
+        let found = refine_pair(of_i, of_j, &(truth * error), &IcpParams::precise()).unwrap();
         let center = found.equations.center;
         (found.i_from_j * center - truth * center).norm()
     });
     let errors: Vec<_> = errors.collect();
-    assert!(median(errors.clone()) < 0.4 * VOXEL, "{errors:?}");
+    assert!(median(errors.clone()) < 0.2 * VOXEL, "{errors:?}");
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn all_scans_together_are_better_than_pairs() {
     let before = errors(scans.iter().map(|scan| scan.frame_from_scan).collect());
     let after = errors(found.frame_from_scan.clone());
     assert!(
-        after < 0.4 * VOXEL && after < 0.5 * before,
+        after < 0.2 * VOXEL && after < 0.5 * before,
         "{before} {after}"
     );
 }
