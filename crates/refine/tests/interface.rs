@@ -1,5 +1,7 @@
 //! What users of the types rely on beside the numbers.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
+
 mod common;
 
 use common::{room, sample, surface};

@@ -1,5 +1,7 @@
 //! Laws of verification and refinement of pairs.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
+
 mod common;
 
 use common::{Rectangle, distance, nudge, room, sample, scan, surface};

@@ -1,5 +1,7 @@
 //! Depth-camera scans of a simulated flat, with ground truth.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
+
 use gmpcr_features::{NormalParams, estimate_normals, voxel_grid};
 use gmpcr_refine::{
     IcpParams, JointParams, PairCounts, PosedSurface, Sequential, Surface, SurfaceParams,
