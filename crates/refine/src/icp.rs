@@ -209,7 +209,7 @@ impl PairRefinement {
 /// converge to the exact pose; the fewer robust weights reach into false correspondences at edges, the
 /// faster, so use [`IcpParams::precise`] where millimeters matter. Noise of the standard deviation σ in
 /// each point leaves errors of about the inverse of [`PairRefinement::information`]. The pose must be near:
-/// within about two voxels at most points. Time is linear in queries and steps, some 70 µs for a step with 600 of
+/// within about two voxels at most points. Time is linear in queries and steps, some 40 µs for a step with 600 of
 /// each scan.
 ///
 /// # Errors

@@ -29,8 +29,8 @@ pub struct SurfaceParams {
     /// with it, and so does the accuracy, with its square root.
     pub max_queries: usize,
     /// Each point is moved along its normal to the mean of its neighbors within this radius whose normals
-    /// agree, in voxels; in [1, 3], or 0 for none. Default 2. It averages noise; planes stay as they are. Poses
-    /// refined by surfaces with noise of a third of a voxel have less than half the error.
+    /// agree, in voxels; in [1, 3], or 0 for none. Default 2. It averages noise; planes stay as they are. With
+    /// noise of a third of a voxel, refined poses have less than half the error.
     pub smoothing_radius: f64,
     /// Width of the range image's pixels, as the tangent of their angle; from 0.005 to 0.5. Default 0.025
     /// (1.4°). The sensor's rays should be less than 1.5 pixels apart.
@@ -102,9 +102,9 @@ pub(crate) struct Patch {
 /// rotation of the frame changes the cells and the choice of queries, and so results within the accuracy of
 /// the sampling.
 ///
-/// Points are [smoothed](SurfaceParams::smoothing_radius) before. Points without normal, which is zero then, are left out. An empty surface is allowed; it overlaps with
-/// nothing. Memory and time are linear in the points, about 200 and 50 kB per thousand points for
-/// cells and points, and up to 150 kB for the range image.
+/// Points are [smoothed](SurfaceParams::smoothing_radius) before. Points without normal, which is zero then,
+/// are left out. An empty surface is allowed; it overlaps with nothing. Memory is linear in the points, about
+/// 130 kB per thousand, and up to 150 kB more for the range image.
 ///
 /// ```
 /// use gmpcr_refine::{Surface, SurfaceParams};

@@ -104,7 +104,7 @@ pub(crate) fn check_radius(name: &str, radius: f64) -> Result<(), InvalidParamet
 /// [judged](DirectedCounts::judged) in its free space.
 ///
 /// Swapping the scans and inverting the pose [swaps](PairCounts::swapped) the counts, up to rounding at the
-/// thresholds. Time is linear in the queries, some 40 µs for 600 of each scan.
+/// thresholds. Time is linear in the queries, some 25 µs for 600 of each scan.
 ///
 /// # Errors
 /// [`Error::Parameter`] if a parameter is out of range, [`Error::Coordinate`] if the pose is not of finite

@@ -42,9 +42,12 @@ fn plain() -> Surface {
     surface(&points, &normals)
 }
 
+/// Puts one parameter out of range.
+type Spoil<P> = fn(&mut P);
+
 /// Spoils each parameter, and checks that its name is in the error of `validate` and of the function.
 fn refuses<P: Default>(
-    cases: &[(&str, fn(&mut P))],
+    cases: &[(&str, Spoil<P>)],
     validate: impl Fn(&P) -> Result<(), InvalidParameter>,
     call: impl Fn(&P) -> Option<Error>,
 ) {
