@@ -181,7 +181,7 @@ fn correspondences(
     let mut rows = Vec::with_capacity(scan_i.queries.len() + scan_j.queries.len());
     let rigid = Rigid::new(i_from_j);
     for_each_match(scan_i, scan_j, &rigid, params, |query, matched| {
-        // With n turned into frame j, r changes by n · (v + ω × q).
+        // With n rotated into frame j, r changes by n · (v + ω × q).
         let normal = rigid.rotate_back(&matched.normal);
         let [x, y, z] = cross(&query.point, &normal);
         rows.push(Row {
@@ -230,11 +230,11 @@ fn for_each_match(
         if dot(&offset, &offset) >= squared_radius {
             continue;
         }
-        let turned = target_from_source.rotate(&query.normal);
-        if dot(&turned, &nearest.normal) <= params.min_normal_cosine {
+        let rotated = target_from_source.rotate(&query.normal);
+        if dot(&rotated, &nearest.normal) <= params.min_normal_cosine {
             continue;
         }
-        let sum = [0, 1, 2].map(|k| turned[k] + nearest.normal[k]);
+        let sum = [0, 1, 2].map(|k| rotated[k] + nearest.normal[k]);
         let inverse_length = 1.0 / dot(&sum, &sum).sqrt();
         let normal = sum.map(|c| c * inverse_length);
         let residual = dot(&offset, &normal);

@@ -26,7 +26,7 @@ pub struct SurfaceParams {
     /// the grid's cells, and all lengths of the other parameters are multiples of it. Default 0.05 (meters).
     pub voxel_size: f64,
     /// Points of a surface that are looked up in others, at most; at least 1. Default 600. Time grows
-    /// with it, and so does the accuracy, with its square root.
+    /// with it; refined poses become hardly more exact.
     pub max_queries: usize,
     /// Each point is moved along its normal to the mean of its neighbors within this radius whose normals
     /// agree, in voxels; in [1, 3], or 0 for none. Default 2. It averages noise; planes stay as they are. With

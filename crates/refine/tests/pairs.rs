@@ -148,7 +148,7 @@ proptest! {
 #[test]
 fn the_hessian_is_the_derivative_of_the_gradient() {
     // Around the exact pose of noise-free planes, where residuals vanish, the equations are those of the
-    // cost, up to the turn of the mean normals, which moves residuals by half the distance of the
+    // cost, up to the rotation of the mean normals, which moves residuals by half the distance of the
     // corresponding points.
     let i = scan(&room(), &Isometry3::identity(), 0.0, 5);
     let j_from_room = Isometry3::new(Vector3::new(3.0, -2.0, 1.0), Vector3::new(0.3, 0.5, -1.0));
@@ -210,7 +210,7 @@ fn a_plane_alone_leaves_three_directions_as_they_were() {
     let start = nudge([0.02, -0.01, 0.05], [0.7, -0.4, 0.5]);
     let found = refine(&i, &j, &start);
     assert_eq!(found.undetermined.len(), 3);
-    // Back in the plane, but neither turned nor moved along it.
+    // Back in the plane, but neither rotated nor moved along it.
     let (moved, rotation) = (
         found.i_from_j * Point3::new(12.0, 10.0, 0.0),
         found.i_from_j.rotation,

@@ -74,14 +74,14 @@ fn free_space_tells_the_ground_truth_from_other_poses() {
     let pairs = rooms.overlapping();
     assert!(pairs.len() > 12, "{}", pairs.len());
     let error = Isometry3::new(Vector3::new(0.5, -0.4, 0.3), Vector3::new(0.2, 0.3, -0.2));
-    for (i, j, at_truth) in &pairs {
-        assert!(at_truth.has_visibility() && !at_truth.is_contradicted());
+    for (i, j, at_ground_truth) in &pairs {
+        assert!(at_ground_truth.has_visibility() && !at_ground_truth.is_contradicted());
         assert!(
-            at_truth.violations() * 50 < at_truth.overlap(),
-            "{at_truth:?}"
+            at_ground_truth.violations() * 50 < at_ground_truth.overlap(),
+            "{at_ground_truth:?}"
         );
         let elsewhere = rooms.counts(*i, *j, &(rooms.i_from_j(*i, *j) * error));
-        assert!(elsewhere.smaller_side_ratio() < at_truth.smaller_side_ratio());
+        assert!(elsewhere.smaller_side_ratio() < at_ground_truth.smaller_side_ratio());
     }
     let side = |counts: &PairCounts| counts.smaller_side_ratio();
     assert!(median(pairs.iter().map(|(_, _, counts)| side(counts)).collect()) > 0.9);
@@ -99,11 +99,12 @@ fn refinement_finds_poses_to_a_fraction_of_a_voxel() {
         Vector3::new(0.02, 0.02, -0.02),
     );
     let errors = rooms.overlapping().into_iter().map(|(i, j, _)| {
-        let truth = rooms.i_from_j(i, j);
+        let ground_truth = rooms.i_from_j(i, j);
         let (of_i, of_j) = (&rooms.surfaces[i], &rooms.surfaces[j]);
-        let found = refine_pair(of_i, of_j, &(truth * error), &IcpParams::precise()).unwrap();
+        let found =
+            refine_pair(of_i, of_j, &(ground_truth * error), &IcpParams::precise()).unwrap();
         let center = found.equations.center;
-        (found.i_from_j * center - truth * center).norm()
+        (found.i_from_j * center - ground_truth * center).norm()
     });
     let errors: Vec<_> = errors.collect();
     assert!(median(errors.clone()) < 0.2 * VOXEL, "{errors:?}");
@@ -112,7 +113,7 @@ fn refinement_finds_poses_to_a_fraction_of_a_voxel() {
 #[test]
 fn all_scans_together_are_better_than_pairs() {
     let rooms = Rooms::new();
-    let truth = &rooms.world_from_scan;
+    let ground_truth = &rooms.world_from_scan;
     let error = |k: usize| {
         let size = if k == 0 {
             0.0
@@ -124,16 +125,16 @@ fn all_scans_together_are_better_than_pairs() {
             Vector3::new(0.4, 0.3, -0.5) * size,
         )
     };
-    let each = rooms.surfaces.iter().zip(truth).enumerate();
+    let each = rooms.surfaces.iter().zip(ground_truth).enumerate();
     let scans: Vec<_> = each
         .map(|(k, (surface, pose))| PosedSurface::new(surface, pose * error(k)))
         .collect();
     let found = refine_jointly(&scans, &JointParams::precise(), &Sequential).unwrap();
-    assert!(found.pairs.len() > 12 && found.frame_from_scan[0] == truth[0]);
+    assert!(found.pairs.len() > 12 && found.frame_from_scan[0] == ground_truth[0]);
     let errors = |poses: Vec<Isometry3<f64>>| {
         let apart = |k: usize| {
             let center = rooms.surfaces[k].center();
-            (poses[k] * center - truth[k] * center).norm()
+            (poses[k] * center - ground_truth[k] * center).norm()
         };
         median((1..poses.len()).map(apart).collect())
     };
