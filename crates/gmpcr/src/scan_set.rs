@@ -85,7 +85,7 @@ pub fn compute_features(clouds: Vec<Cloud>) -> Result<ScanSet, Error> {
 /// let cloud = Cloud::new(points.collect());
 /// let params = Params::default().with_voxel_size(0.1);
 /// let set = compute_features_with(vec![cloud], &params.features, VoxelSize::Given, &())?;
-/// assert_eq!((set.voxel_size, set.scans[0].len()), (0.1, 81));
+/// assert_eq!((set.voxel_size, set.scans[0].len()), (0.1, 100));
 /// # Ok::<(), gmpcr::Error>(())
 /// ```
 pub fn compute_features_with(
