@@ -273,7 +273,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--parts", default="A,B,C", help="which parts, such as A,C")
     parser.add_argument("--gmpcr", type=Path, default=PROJECT / "target/release/gmpcr", help="the program")
-    parser.add_argument("--data", type=Path, default=Path(os.environ.get("GMPCR_DATA", PROJECT.parent / "shared/data")))
+    parser.add_argument("--data", type=Path, default=Path(os.environ.get("GMPCR_DATA", "data")))
     parser.add_argument("--limit", type=int, default=120, metavar="SECONDS", help="CPU time of a run")
     parser.add_argument("--memory", type=int, default=12, metavar="GIB", help="address space of a run")
     arguments = parser.parse_args()

@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each benchmark uses a part")]
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use gmpcr::cliques::PointPairs;
 use gmpcr::features::FeatureParams;
@@ -61,10 +61,9 @@ pub fn scans(num_scans: usize) -> Vec<Scan> {
     fpfh_scans(&simulate(&flat(num_scans)).unwrap().clouds)
 }
 
-/// Where the real scans are: what `GMPCR_DATA` names.
+/// Where the real scans are: what `GMPCR_DATA` names, or a folder `data` here.
 pub fn folder() -> PathBuf {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    std::env::var_os("GMPCR_DATA").map_or(default, PathBuf::from)
+    std::env::var_os("GMPCR_DATA").map_or("data".into(), PathBuf::from)
 }
 
 /// Real scans with their learned descriptors.

@@ -195,9 +195,11 @@ pub fn assert_close(poses: &[Isometry3<f64>], ground_truth: &[Isometry3<f64>]) {
 
 /// The folder of real scans, if it is there.
 pub fn real_data(scene: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("GMPCR_DATA").map(PathBuf::from);
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = root.unwrap_or_else(beside).join(scene);
+    let Some(root) = std::env::var_os("GMPCR_DATA") else {
+        eprintln!("skipped: GMPCR_DATA names no folder of real scans");
+        return None;
+    };
+    let folder = PathBuf::from(root).join(scene);
     if !folder.is_dir() {
         eprintln!("skipped: {} is not there, see GMPCR_DATA", folder.display());
         return None;
