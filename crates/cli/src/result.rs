@@ -21,14 +21,13 @@ pub struct ResultFile {
     pub format: u32,
     /// Version of the program that wrote it.
     pub version: String,
-    /// All parameters by path; lengths in voxels.
+    /// What was asked for: all parameters by path, lengths in voxels, angles in degrees. Those of the registration
+    /// have the unit of the scans.
     pub parameters: Value,
     /// In the unit of the scans.
     pub voxel_size: f64,
     /// Whether it follows from the scans, and not from the parameters.
     pub voxel_is_estimated: bool,
-    /// Lengths that follow from the voxel size, in the unit of the scans.
-    pub lengths: Lengths,
     /// What features the points have, in words.
     pub features: String,
     /// What the files have, in the order of the registration.
@@ -40,14 +39,6 @@ pub struct ResultFile {
     pub warnings: Vec<Finding>,
     /// Wall time of each stage, reading included.
     pub stages: Vec<StageResult>,
-}
-
-#[derive(Serialize, Deserialize)]
-pub struct Lengths {
-    pub normal_radius: f64,
-    pub descriptor_radius: f64,
-    pub tolerance: f64,
-    pub inlier_threshold: f64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -79,19 +70,12 @@ impl ResultFile {
         registration: Registration,
         warnings: Vec<Finding>,
     ) -> Self {
-        let params = config.params(input.set.voxel_size);
         Self {
             format: FORMAT,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             parameters: config.to_json(),
             voxel_size: input.set.voxel_size,
             voxel_is_estimated: input.voxel_is_estimated,
-            lengths: Lengths {
-                normal_radius: params.features.normals.radius,
-                descriptor_radius: params.features.fpfh.radius,
-                tolerance: params.compatibility.tolerance,
-                inlier_threshold: params.cliques.inlier_threshold,
-            },
             features: input.features.to_owned(),
             scans: scans(input),
             stages: stages(input, &registration),
