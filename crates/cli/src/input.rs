@@ -41,7 +41,7 @@ impl Input {
             None => (config.params(1.0), VoxelSize::Estimated),
         };
         let set = compute_features_with(clouds, &params.features, voxel_size, progress)
-            .map_err(|error| named(error, &files))?;
+            .map_err(Failure::of_registration)?;
         progress.finish();
         for (file, num_strays) in files.iter().zip(&set.num_strays) {
             if *num_strays > 0 {
@@ -98,7 +98,7 @@ impl Input {
         leave_out_unreadable(&clouds, &mut scans)?;
         let (files, clouds): (Vec<_>, Vec<Cloud>) = clouds.into_iter().unzip();
         let set = ScanSet::with_scans(clouds, scans, config.voxel_size, progress)
-            .map_err(|error| named(error, &files))?;
+            .map_err(Failure::of_registration)?;
         Ok(Self {
             files,
             set,
@@ -111,14 +111,6 @@ impl Input {
     /// The name of a scan.
     pub fn name(&self, scan: usize) -> &str {
         &self.files[scan].name
-    }
-}
-
-/// The error of a cloud with the name of its file.
-fn named(error: gmpcr::Error, files: &[ScanFile]) -> Failure {
-    match error {
-        gmpcr::Error::Features { cloud, source } => Failure::of(&files[cloud].file, source),
-        other => Failure::of_registration(other),
     }
 }
 

@@ -92,15 +92,6 @@ pub enum Error {
         /// The stage that was under way.
         stage: Stage,
     },
-    /// Features of a cloud could not be computed.
-    #[cfg(feature = "fpfh")]
-    #[error("cloud {cloud}: {source}")]
-    Features {
-        /// Index of the cloud.
-        cloud: usize,
-        /// The reason.
-        source: gmpcr_features::Error,
-    },
 }
 
 impl Error {

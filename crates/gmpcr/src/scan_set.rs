@@ -49,7 +49,7 @@ pub struct ScanSet {
 /// care of. A cloud whose features cannot be computed has its reason in [`ScanSet::problems`].
 ///
 /// # Errors
-/// [`Error::NoExtent`] if no cloud has two different points, [`Error::Features`] if a coordinate is not finite.
+/// [`Error::NoExtent`] if no cloud has two different points.
 ///
 /// ```
 /// use gmpcr::nalgebra::Point3;
@@ -265,12 +265,12 @@ fn localized(clouds: Vec<Cloud>) -> Vec<LocalCloud> {
 /// The voxel size that suits most clouds.
 fn estimated_voxel_size(clouds: &[LocalCloud], observer: &dyn Observer) -> Result<f64, Error> {
     let progress = StageProgress::begin(Stage::VoxelSize, clouds.len(), observer);
-    let estimate = |(cloud, local): (usize, &LocalCloud)| {
-        let estimate = || estimate_voxel_size(&local.points);
-        progress.item(|| estimate().map_err(|source| Error::Features { cloud, source }))
-    };
-    let estimates = clouds.par_iter().enumerate().map(estimate);
-    let estimates: Vec<Option<f64>> = estimates.collect::<Result<_, _>>()?;
+    // A cloud with a coordinate beyond all bounds has no say; its stray points are left out later.
+    let estimate = |cloud: &LocalCloud| Ok(estimate_voxel_size(&cloud.points).ok().flatten());
+    let estimates = clouds
+        .par_iter()
+        .map(|cloud| progress.item(|| estimate(cloud)));
+    let estimates: Vec<Option<f64>> = estimates.collect::<Result<_, Error>>()?;
     common_voxel_size(estimates.into_iter().flatten()).ok_or(Error::NoExtent)
 }
 
