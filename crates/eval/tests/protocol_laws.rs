@@ -26,7 +26,7 @@ fn transformation() -> impl Strategy<Value = Isometry3<f64>> {
     (vector(), vector()).prop_map(|(translation, rotation)| Isometry3::new(translation, rotation))
 }
 
-/// Poses of the ground truth, and estimates that are off by a few centimetres and degrees: some pairs pass each
+/// Poses of the ground truth, and estimates that are off by a few centimeters and degrees: some pairs pass each
 /// threshold, some do not.
 fn ground_truth_and_estimate() -> impl Strategy<Value = (Vec<Isometry3<f64>>, Vec<Isometry3<f64>>)>
 {

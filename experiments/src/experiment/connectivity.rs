@@ -91,14 +91,7 @@ pub fn report(
             lines
                 .1
                 .push((k as f64, 100.0 * summary.min_largest_component_ratio));
-            table.row([
-                configuration,
-                format!("{}/{}", summary.num_connected, summary.num_scenes),
-                summary.max_components.to_string(),
-                format!("{:.1}", 100.0 * summary.min_largest_component_ratio),
-                format!("{:.1}", 100.0 * summary.min_reachability),
-                format!("{:.1}", summary.mean_num_edges),
-            ]);
+            table.row(row(configuration, &summary));
         }
         connected.push(Series::new(&preset, lines.0));
         largest.push(Series::new(preset, lines.1));
@@ -114,6 +107,17 @@ pub fn report(
             .lines(&lines)
     });
     Ok(write_figure(figure, &panels)?)
+}
+
+fn row(configuration: String, summary: &ConnectivitySummary) -> [String; 6] {
+    [
+        configuration,
+        format!("{}/{}", summary.num_connected, summary.num_scenes),
+        summary.max_components.to_string(),
+        format!("{:.1}", 100.0 * summary.min_largest_component_ratio),
+        format!("{:.1}", 100.0 * summary.min_reachability),
+        format!("{:.1}", summary.mean_num_edges),
+    ]
 }
 
 fn summary(records: &Selection, configuration: &str) -> Option<ConnectivitySummary> {
