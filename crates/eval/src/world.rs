@@ -21,9 +21,31 @@ use crate::error::{Error, check_length};
 /// # Ok::<(), gmpcr_eval::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Unchecked")
+)]
 pub struct WorldPoses {
     world_from_scan: Vec<Option<Isometry3<f64>>>,
     component: Vec<usize>,
+}
+
+/// The fields before their lengths are compared.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Unchecked {
+    world_from_scan: Vec<Option<Isometry3<f64>>>,
+    component: Vec<usize>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for WorldPoses {
+    type Error = Error;
+
+    fn try_from(file: Unchecked) -> Result<Self, Error> {
+        Self::new(file.world_from_scan, file.component)
+    }
 }
 
 impl WorldPoses {

@@ -39,6 +39,10 @@ fn results_survive_a_file() {
         vec![0; 4],
     );
     let poses = poses.unwrap();
+    assert_round_trip(&poses);
+    let mut other = serde_json::to_value(&poses).unwrap();
+    other["component"].as_array_mut().unwrap().pop();
+    assert!(serde_json::from_value::<WorldPoses>(other).is_err());
     assert_round_trip(&registration_recall(&pairs, &poses, Protocol::ThreeDLoMatch).unwrap());
     let errors = PairErrors::of_pairs(&pairs, &poses).unwrap();
     assert_round_trip(&errors);

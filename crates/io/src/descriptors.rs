@@ -15,6 +15,7 @@ pub(crate) const DESCRIPTORS: &str = ".desc.npy";
 ///
 /// With the feature `scans`, its method `read` reads both.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DescriptorFiles {
     /// What the two file names have in common; in a [`Scene`](crate::Scene) the number of the set.
     pub name: String,

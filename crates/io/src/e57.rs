@@ -12,6 +12,7 @@ use crate::{Error, PointFile, rigid};
 
 /// A scan of an E57 file.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct E57Scan {
     /// The name that the file gives the scan.
@@ -21,6 +22,7 @@ pub struct E57Scan {
     pub points: PointFile,
     /// The pose of the scan in the frame of the file, which is common to all its scans. The identity if
     /// the file has no pose.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub file_from_scan: Isometry3<f64>,
 }
 

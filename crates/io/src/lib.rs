@@ -44,7 +44,7 @@
 //! | `npz` | reads NumPy `.npz` |
 //! | `all-formats` | all of the above |
 //! | `scans` | reads keypoints and descriptors as the scans of `gmpcr-correspondence` |
-//! | `serde` | pose graphs and benchmark pairs implement `Serialize` and `Deserialize` |
+//! | `serde` | what files hold implements `Serialize` and `Deserialize` |
 //!
 //! # What to rely on
 //! * A file of another format gives an [`Error`] that names the file, the line where there is

@@ -10,6 +10,7 @@ use crate::{Error, PointFile};
 
 /// A matrix of numbers, row by row.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct NpyMatrix {
     /// Number of rows.

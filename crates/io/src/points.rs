@@ -8,6 +8,7 @@ use nalgebra::Point3;
 /// keep these rows. They are left out and counted, so all coordinates in `points` are finite. If
 /// `invalid` is not zero, the place of a point in `points` is not its row in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PointFile {
     /// The points with three finite coordinates.

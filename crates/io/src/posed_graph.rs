@@ -45,12 +45,14 @@ pub struct PosedGraph {
 
 /// A measured relative pose and how certain it is.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeasuredEdge {
     /// The scan into whose frame the relative pose maps.
     pub i: usize,
     /// The scan whose coordinates the relative pose maps.
     pub j: usize,
     /// The measured `world_from_i⁻¹ * world_from_j`.
+    #[cfg_attr(feature = "serde", serde(with = "gmpcr_geometry::matrix_rows"))]
     pub i_from_j: Isometry3<f64>,
     /// Inverse covariance of `ξ` in `true i_from_j = i_from_j * exp(ξ)`, in the order translation (in
     /// the unit of the scans), rotation (radians). Symmetric.

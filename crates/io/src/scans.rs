@@ -6,6 +6,7 @@ use crate::{Error, PointFile, read_points};
 
 /// A scan of a file.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct FileScan {
     /// The name that the file gives the scan; none in formats of one scan.

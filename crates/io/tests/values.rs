@@ -64,6 +64,26 @@ mod serde {
     }
 
     #[test]
+    fn clouds_scenes_and_edges_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.xyz"), "0 0 1\n0 1 1\n").unwrap();
+        let scans = read_scans(folder.path().join("a.xyz")).unwrap();
+        assert_eq!(back(&scans), scans);
+        assert_eq!(back(&scans[0].points), scans[0].points);
+        let scene = Scene::of_clouds(folder.path()).unwrap();
+        assert_eq!(back(&scene), scene);
+        let edge = MeasuredEdge {
+            i: 3,
+            j: 4,
+            i_from_j: pose(),
+            information: Matrix6::identity() / 3.0,
+        };
+        let read = back(&edge);
+        assert_same(&read.i_from_j, &pose());
+        assert_eq!((read.i, read.j, read.information), (3, 4, edge.information));
+    }
+
+    #[test]
     fn a_pose_graph_of_open3d_comes_back() {
         let graph = Open3dPoseGraph {
             nodes: vec![Isometry3::identity(), pose()],

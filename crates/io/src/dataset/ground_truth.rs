@@ -21,6 +21,7 @@ const OVERLAPS: [&str; 3] = ["overlap.csv", "official_gt_overlap.log", "gt_overl
 /// Scans are named by their place in [`Scene::scans`](crate::Scene::scans), which is the number in their
 /// file names.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct GroundTruth {
     /// The lists of pairs that a benchmark judges: `3dmatch`, `3dlomatch`, `gt`, in this order, as

@@ -9,6 +9,7 @@ use crate::{DescriptorFiles, Error, scan_files};
 
 /// The scans of a scene, by their files, and their ground truth.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Scene {
     /// Name of the folder.
@@ -23,6 +24,7 @@ pub struct Scene {
 
 /// The files of a scan.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SceneScan {
     /// The point cloud, for [`read_points`](crate::read_points).
