@@ -64,6 +64,16 @@ impl Edge {
         })
     }
 
+    /// The edge with its initial weight: what was synchronized.
+    pub(crate) fn pose_edge(&self) -> PoseEdge {
+        PoseEdge {
+            i: self.i,
+            j: self.j,
+            i_from_j: self.i_from_j,
+            weight: self.synchronization.initial_weight,
+        }
+    }
+
     /// Whether the edge kept a tenth of its weight.
     pub fn is_trusted(&self) -> bool {
         let EdgeReport {

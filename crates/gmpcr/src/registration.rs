@@ -1,4 +1,4 @@
-use gmpcr_posegraph::{Components, Connectivity, PairConfidences, PoseEdge, PoseGraph};
+use gmpcr_posegraph::{Components, Connectivity, PairConfidences, PoseGraph};
 use gmpcr_sync::{ComponentReport, Synchronization};
 use nalgebra::Isometry3;
 
@@ -123,12 +123,7 @@ impl Registration {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn pose_graph(&self) -> PoseGraph {
-        let edges = self.edges.iter().map(|edge| PoseEdge {
-            i: edge.i,
-            j: edge.j,
-            i_from_j: edge.i_from_j,
-            weight: edge.synchronization.initial_weight,
-        });
+        let edges = self.edges.iter().map(Edge::pose_edge);
         PoseGraph::new(self.ids.len(), edges.collect())
             .expect("the edges have been a pose graph before")
     }

@@ -1,6 +1,6 @@
 //! A registration from a file, which may contradict itself.
 
-use gmpcr_posegraph::{Components, Connectivity, PairConfidences, PoseEdge, PoseGraph};
+use gmpcr_posegraph::{Components, Connectivity, PairConfidences, PoseGraph};
 use gmpcr_sync::ComponentReport;
 use nalgebra::Isometry3;
 
@@ -43,12 +43,7 @@ impl Unchecked {
         if let Some((i, j)) = pairs.into_iter().find(|&(i, j)| i >= j || j >= n) {
             return Some(format!("pair ({i}, {j}) is not of the form i < j < {n}"));
         }
-        let edges = self.edges.iter().map(|edge| PoseEdge {
-            i: edge.i,
-            j: edge.j,
-            i_from_j: edge.i_from_j,
-            weight: edge.synchronization.initial_weight,
-        });
+        let edges = self.edges.iter().map(Edge::pose_edge);
         let graph = PoseGraph::new(n, edges.collect());
         graph.err().map(|error| error.to_string())
     }

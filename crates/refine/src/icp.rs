@@ -82,25 +82,17 @@ impl IcpParams {
     /// [`InvalidParameter`] names the first that is not.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         let &Self {
-            first_radius,
-            last_radius,
-            steps,
-            polish_steps: _,
-            min_normal_cosine,
             min_correspondences,
             min_stability,
             tolerance,
+            ..
         } = self;
-        check_radius("first_radius", first_radius)?;
-        check_radius("last_radius", last_radius)?;
-        InvalidParameter::check(steps >= 1, "steps", steps as f64, "at least 1")?;
-        check_agreement("min_normal_cosine", min_normal_cosine)?;
+        self.schedule().validate()?;
         let (name, value) = ("min_correspondences", min_correspondences as f64);
         InvalidParameter::check(min_correspondences >= 6, name, value, "at least 6")?;
         let is_fraction = (0.0..1.0).contains(&min_stability);
         InvalidParameter::check(is_fraction, "min_stability", min_stability, "in [0, 1)")?;
-        let is_length = tolerance.is_finite() && tolerance >= 0.0;
-        InvalidParameter::check(is_length, "tolerance", tolerance, "finite and at least 0")
+        check_tolerance(tolerance)
     }
 
     /// The equations of each step.
@@ -115,6 +107,12 @@ impl IcpParams {
     }
 }
 
+/// The check of the step length below which steps end.
+pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), InvalidParameter> {
+    let is_length = tolerance.is_finite() && tolerance >= 0.0;
+    InvalidParameter::check(is_length, "tolerance", tolerance, "finite and at least 0")
+}
+
 /// Radii and robust scales of the steps of a refinement.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Schedule {
@@ -126,6 +124,15 @@ pub(crate) struct Schedule {
 }
 
 impl Schedule {
+    /// Checks the parameters of which the schedule is made, by their names in the structs that make it.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        check_radius("first_radius", self.first)?;
+        check_radius("last_radius", self.last)?;
+        let steps = self.steps as f64;
+        InvalidParameter::check(self.steps >= 1, "steps", steps, "at least 1")?;
+        check_agreement("min_normal_cosine", self.min_normal_cosine)
+    }
+
     pub fn len(&self) -> usize {
         self.steps + self.polish_steps
     }

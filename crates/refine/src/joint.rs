@@ -2,7 +2,7 @@ use gmpcr_geometry::InvalidParameter;
 use nalgebra::Isometry3;
 
 use crate::equations::{PairEquations, check_agreement};
-use crate::icp::Schedule;
+use crate::icp::{Schedule, check_tolerance};
 use crate::joint_system::{JointSystem, OverlappingPair, relative_pose};
 use crate::posed::{check_poses, largest_voxel, spheres_meet};
 use crate::verify::{check_radius, count_pair};
@@ -79,27 +79,18 @@ impl JointParams {
     /// [`InvalidParameter`] names the first that is not.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         let &Self {
-            first_radius,
-            last_radius,
-            steps,
-            polish_steps: _,
-            min_normal_cosine,
             search_radius,
             search_min_normal_cosine,
-            min_overlap: _,
             damping,
             tolerance,
+            ..
         } = self;
-        check_radius("first_radius", first_radius)?;
-        check_radius("last_radius", last_radius)?;
-        InvalidParameter::check(steps >= 1, "steps", steps as f64, "at least 1")?;
-        check_agreement("min_normal_cosine", min_normal_cosine)?;
+        self.schedule().validate()?;
         check_radius("search_radius", search_radius)?;
         check_agreement("search_min_normal_cosine", search_min_normal_cosine)?;
         let is_damping = damping > 0.0 && damping <= 1.0;
         InvalidParameter::check(is_damping, "damping", damping, "in (0, 1]")?;
-        let is_length = tolerance.is_finite() && tolerance >= 0.0;
-        InvalidParameter::check(is_length, "tolerance", tolerance, "finite and at least 0")
+        check_tolerance(tolerance)
     }
 
     /// What counts as overlap when pairs are searched.
